@@ -9,7 +9,6 @@ from __future__ import annotations
 import itertools
 from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import reduce
 from typing import Any
 
 import numpy as np
@@ -23,8 +22,8 @@ NEAR = 1e-3
 """Step of a difference, of the width between the pushed edges."""
 RIVALS = 4
 """Corners of what may change at every instant that are looked at beside the worst one."""
-HADAMARD = reduce(np.kron, 4 * [np.array([[1.0, 1.0], [1.0, -1.0]])])
-"""Signs of the constants at which a barrier is tried, besides those where one differs from its middle."""
+SAMPLES = 16
+"""Values of the constants at which a barrier is tried, besides those where one differs from its middle."""
 INSTANT = ("rho", "stretch", "shear", "bend", *MOVING.values(), "mu", "mu_lower", "mu_passive")
 """What may change at every instant."""
 
@@ -96,8 +95,7 @@ class Flow:
     def tried(self) -> Values:
         """Values of the constants, in rows: some corners, and each alone at either end."""
         names = [name for name in self.reach if name not in INSTANT]
-        # each two columns of Hadamard's matrix have all pairs of signs equally often
-        corners = HADAMARD[:, 1 + np.arange(len(names)) % (len(HADAMARD) - 1)]
+        corners = np.random.default_rng(0).choice([-1.0, 1.0], (SAMPLES, len(names)))
         signs = np.vstack([corners, np.eye(len(names)), -np.eye(len(names))])
         return {n: self.middle[n] + signs[:, k] * self.reach[n] for k, n in enumerate(names)}
 
