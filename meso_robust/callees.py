@@ -1,7 +1,7 @@
 """A compiler of functions that only kernels call: it makes no machine code of them.
 
 Numba makes machine code of every function that it compiles, though what goes into a kernel is LLVM's code.
-Leaving it out takes a sixth off the time of compiling. See "Customizing the compiler" in Numba's manual.
+Leaving it out takes an eighth off the time of compiling. See "Customizing the compiler" in Numba's manual.
 """
 
 from __future__ import annotations
