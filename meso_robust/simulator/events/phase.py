@@ -281,14 +281,16 @@ def _polish(scene: Scene, work: Work, event: int, time: float, clock: float) -> 
     now = time
     f = event_value(scene, work, event, now, clock)
     for _ in range(4):
-        if f == f_other or abs(f) < 1e-16:
+        if f == f_other:
             break
         better = now - f * (now - other) / (f - f_other)
         if not abs(better - time) <= 0.01 * time:
             return time
+        f_better = event_value(scene, work, event, better, clock)
+        if not abs(f_better) < abs(f):  # two values that differ by rounding have no slope
+            break
         other, f_other = now, f
-        now = better
-        f = event_value(scene, work, event, now, clock)
+        now, f = better, f_better
     return now
 
 
