@@ -120,10 +120,11 @@ def lay_out(work: Work, place: Place) -> None:
 
 @inlined
 def fill(scene: Scene, work: Work, c: int, place: Place, clock: float) -> None:
-    """Write the constraints and wrenches of a contact."""
+    """Write the constraints and wrenches of a contact, and the lengths that it must keep."""
     kind, i, j = work.contact[c, KIND], work.contact[c, FIRST], work.contact[c, SECOND]
-    nx, ny, px, py, ux, uy, _, _ = frame(scene, kind, i, j, place, clock)
+    nx, ny, px, py, ux, uy, low, high = frame(scene, kind, i, j, place, clock)
     n, t, row = 2 * c, 2 * c + 1, work.row
+    row[n, 4], row[t, 4] = low, high
     row[n, 0], row[n, 1], row[n, 2], row[n, 3] = nx, ny, px * ny - py * nx, nx * ux + ny * uy
     row[t, 0], row[t, 1], row[t, 2], row[t, 3] = ny, -nx, -px * nx - py * ny, ny * ux - nx * uy
     push = work.push
@@ -254,6 +255,13 @@ def velocity(scene: Scene, work: Work, place: Place, clock: float) -> Triple:
 
 
 @inlined
+def speed(work: Work, row: int) -> float:
+    """Speed of the part against a constraint."""
+    r, v = work.row, work.twist
+    return float(r[row, 0] * v[0] + r[row, 1] * v[1] + r[row, 2] * v[2] - r[row, 3])
+
+
+@inlined
 def _rolls(scene: Scene, kind: int, i: int) -> bool:
     """Whether a contact that sticks can move on the part: only that of a disc."""
     return bool(kind != WALL and scene.tips[i, 4] > 0.0)
@@ -268,12 +276,16 @@ def monitor(scene: Scene, work: Work, place: Place, clock: float) -> int:
     int
         How many there are; see `watch`.
     """
+    if work.count[HELD] == 1:  # `velocity` went without the tables
+        for c in range(work.count[TOUCHING]):
+            if work.mode[c] != SEPARATE:
+                fill(scene, work, c, place, clock)
     solve_forces(work)
-    return watch(scene, work, place, clock)
+    return watch(scene, work)
 
 
-@sealed
-def watch(scene: Scene, work: Work, place: Place, clock: float) -> int:
+@inlined
+def watch(scene: Scene, work: Work) -> int:
     """Write what must not become negative in the present mode, its twist and forces being known.
 
     First the forces of the basis, as ``1/(a + 1/a)``: that is zero both where
@@ -288,21 +300,17 @@ def watch(scene: Scene, work: Work, place: Place, clock: float) -> int:
     count = int(work.count[HELD])
     for k in range(count):
         work.slack[k] = 1.0 / (work.force[k] + 1.0 / work.force[k])
-    vx, vy, omega = work.twist[0], work.twist[1], work.twist[2]
     for c in range(work.count[TOUCHING]):
         mode = work.mode[c]
         if mode == SEPARATE:
             continue
         kind, i = work.contact[c, KIND], work.contact[c, FIRST]
-        nx, ny, px, py, ux, uy, low, high = frame(
-            scene, kind, i, work.contact[c, SECOND], place, clock
-        )
         if mode != STICK and friction(scene, work, kind, i) > 0.0:
-            slip = ny * (vx - omega * py - ux) - nx * (vy + omega * px - uy)
+            slip = speed(work, 2 * c + 1)
             work.slack[count] = slip if mode == SLIP_PLUS else -slip
             count += 1
         if mode != STICK or _rolls(scene, kind, i):
-            work.slack[count] = low
-            work.slack[count + 1] = high
+            work.slack[count] = work.row[2 * c, 4]
+            work.slack[count + 1] = work.row[2 * c + 1, 4]
             count += 2
     return count

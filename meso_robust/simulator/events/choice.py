@@ -16,6 +16,7 @@ from meso_robust.simulator.events.balance import (
     pick,
     solve_forces,
     solve_twist,
+    speed,
     watch,
 )
 from meso_robust.simulator.events.contact import Place, friction
@@ -47,6 +48,7 @@ _ZERO_AHEAD = (1e-9, 1e-11)  # what counts as zero there
 _DIFFERENT = 1e-6  # of velocities
 _INDEPENDENT = 1e-9  # part of a constraint that the others do not have
 _BETTER = 1e-8  # a later mode must be better by this
+_NO_FORCES, _NO_MOTION = -1.0, -2.0  # what fails
 
 
 @part
@@ -144,6 +146,8 @@ def _try_bases(scene: Scene, work: Work, now: tuple[Place, float], tally: tuple[
         if merit >= 0.0 and count < ROOM:
             _keep(work, count, merit)
             count += 1
+        if rank == 3 and merit == _NO_MOTION:  # three constraints say it all, whatever the wrenches
+            break
         if rank == wrenches or not _next_subset(picked, rank, wrenches):
             break
     return count
@@ -193,33 +197,34 @@ def add_row(work: Work, row: int) -> None:
     held = work.count[HELD]
     if held >= 3:
         return
-    units, x = work.units, pick(work.row, row)
+    apart, x = work.apart, pick(work.row, row)
     whole = dot(x, x)
     for sweep in range(2 * held):
-        other = pick(units, sweep if sweep < held else sweep - held)
-        shared = dot(x, other)
+        k = sweep if sweep < held else sweep - held
+        other = pick(apart, k)
+        shared = dot(x, other) * apart[k, 3]
         x = (x[0] - shared * other[0], x[1] - shared * other[1], x[2] - shared * other[2])
     added = dot(x, x)
     if added < _INDEPENDENT * _INDEPENDENT * whole:
         return
-    per = 1.0 / np.sqrt(added)
-    units[held, 0], units[held, 1], units[held, 2] = per * x[0], per * x[1], per * x[2]
+    apart[held, 0], apart[held, 1], apart[held, 2] = x
+    apart[held, 3] = 1.0 / added
     work.basis[held] = row
     work.count[HELD] = held + 1
 
 
 @inlined
 def _merit(scene: Scene, work: Work, now: tuple[Place, float], trial: tuple[int, bool]) -> float:
-    """Least of what must not be negative, a short way ahead if it is zero here; -1 if it fails.
+    """Least of what must not be negative, a short way ahead if it is zero here; below if it fails.
 
     Constraints that depend on each other may agree only for an instant; `trial` is the number of
     the attempt and whether there are such.
     """
     attempt, redundant = trial
     place, clock = now
-    here = _least(scene, work, place, clock)
+    here = _least(scene, work)
     if not here >= -_ZERO:
-        return -1.0
+        return here
     if here > _ZERO and not redundant:
         return here
     step, limit = _AHEAD[attempt], _ZERO_AHEAD[attempt]
@@ -230,47 +235,44 @@ def _merit(scene: Scene, work: Work, now: tuple[Place, float], trial: tuple[int,
     y = work.pose[1] + step * (sin * vx + cos * vy)
     after = (x, y, np.cos(theta), np.sin(theta))
     fill_all(scene, work, after, clock + step, False)
-    ahead = _least(scene, work, after, clock + step)
+    ahead = _least(scene, work)
     fill_all(scene, work, place, clock, False)
     work.twist[0], work.twist[1], work.twist[2] = vx, vy, omega
-    return ahead + limit if ahead >= -limit else -1.0
+    return ahead + limit if ahead >= -limit else _NO_FORCES
 
 
 @inlined
-def _least(scene: Scene, work: Work, place: Place, clock: float) -> float:
-    """Least of what must not be negative, for rows as they were written last; -1 if one clearly is."""
+def _least(scene: Scene, work: Work) -> float:
+    """Least of what must not be negative, for rows as they were written last; or what fails."""
     solve_twist(work)
     least = np.inf
     for c in range(work.count[TOUCHING]):
         if work.mode[c] == SEPARATE:
             least = min(least, _opening(work, c))
-        elif not _residual(work, c) <= _ZERO:
-            return -1.0
+        elif not _moves(scene, work, c):
+            return _NO_MOTION
     if least < -_ZERO:
-        return -1.0
+        return _NO_MOTION
     solve_forces(work)
     for k in range(work.count[HELD]):
         if not -_ZERO <= work.force[k] < LARGEST:
-            return -1.0
-    for k in range(watch(scene, work, place, clock)):
+            return _NO_FORCES
+    for k in range(watch(scene, work)):
         least = min(least, work.slack[k])
-    return least
+    return least if least >= -_ZERO else _NO_FORCES
 
 
 @inlined
-def _speed(work: Work, row: int) -> float:
-    """Speed of the part against a constraint."""
-    r, v = work.row, work.twist
-    return float(r[row, 0] * v[0] + r[row, 1] * v[1] + r[row, 2] * v[2] - r[row, 3])
-
-
-@inlined
-def _residual(work: Work, c: int) -> float:
-    """How much the motion violates the constraints of a closed contact (not in the basis)."""
-    rest = abs(_speed(work, 2 * c))
-    if work.mode[c] == STICK:
-        rest = max(rest, abs(_speed(work, 2 * c + 1)))
-    return rest
+def _moves(scene: Scene, work: Work, c: int) -> bool:
+    """Whether a closed contact stays closed, and sticks or slips as its mode says."""
+    mode, slip = work.mode[c], speed(work, 2 * c + 1)
+    if not abs(speed(work, 2 * c)) <= _ZERO:
+        return False
+    if mode == STICK:
+        return bool(abs(slip) <= _ZERO)
+    if friction(scene, work, work.contact[c, KIND], work.contact[c, FIRST]) == 0.0:
+        return True
+    return bool((-slip if mode == SLIP_MINUS else slip) >= -_ZERO)
 
 
 @inlined
@@ -279,10 +281,10 @@ def _opening(work: Work, c: int) -> float:
     group = work.contact[c, GROUP]
     if work.contact[c, KIND] == POINT:
         return np.inf
-    best = _speed(work, 2 * c)
+    best = speed(work, 2 * c)
     for other in range(work.count[TOUCHING] if group >= 0 else 0):
         if work.contact[other, GROUP] == group and work.contact[other, KIND] != POINT:
-            best = max(best, _speed(work, 2 * other))
+            best = max(best, speed(work, 2 * other))
         if work.contact[other, GROUP] == group and work.mode[other] != SEPARATE:
             return np.inf
     return best

@@ -190,10 +190,11 @@ def _compiled() -> Kernel:
         bodies, widest = np.zeros((tips, 6)), max(sides, inputs.walls.shape[0])
         # without a fixture nothing can meet the corners of the part
         clear = np.zeros(tips + (sides if inputs.walls.shape[0] > 0 else 0))
+        closing = np.zeros_like(clear)
         left_out = np.zeros((tips + sides, widest + 1), np.bool_)
         for i in range(first, last):
             edges = inputs.edges[i if inputs.edges.shape[0] > 1 else 0]
-            scene = Scene(edges, inputs.walls, legs, bodies, clear, left_out)
+            scene = Scene(edges, inputs.walls, legs, bodies, clear, closing, left_out)
             _one(inputs, outputs, i, scene, works[0])
 
     return cast(Kernel, kernel)

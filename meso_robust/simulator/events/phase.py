@@ -13,6 +13,7 @@ from meso_robust.simulator.events.balance import (
     velocity,
 )
 from meso_robust.simulator.events.channel import in_channel, start_channel
+from meso_robust.simulator.events.closing import bound_in_step, bound_on_curve
 from meso_robust.simulator.events.contact import gap
 from meso_robust.simulator.events.curve import (
     CUBIC,
@@ -47,7 +48,7 @@ _LARGEST_STEP = 0.4  # of the clock, which is the way of the fastest tip over th
 _SMALLEST_STEP = 1e-12  # of the clock; what needs less cannot be integrated
 _FIRST_STEP = 0.1  # of the clock; the control of the error goes on from it
 _SWEEPS = 4  # over the quantities, for the first of them that is negative
-_TURN = 0.1  # rad, of an exact step; events are looked for at its middle and its end
+_TURN = 0.15  # rad, of an exact step; events are looked for at its middle and its end
 
 
 @part
@@ -120,8 +121,9 @@ def _translates(scene: Scene, work: Work, rest: float) -> bool:
 def _follow(scene: Scene, work: Work, path: Floats, clock: float, rest: float) -> float:
     """Go along a curve of closed form."""
     curve = work.curve
-    bound = (curve[1], curve[2], curve[4], curve[5], fastest_turn(work), 0.0)
-    time, _ = next_contact(scene, work, rest, bound, clock)
+    bound = (curve[1], curve[2], curve[4], curve[5], fastest_turn(work))
+    bound_on_curve(scene, work, bound, rest, clock)
+    time, _ = next_contact(scene, work, rest, clock)
     sample_curve(work, path, clock, time)
     work.pose[0], work.pose[1], work.pose[2] = pose_at(work, time)
     return clock + time if clock + time < work.span - 1e-15 else work.span
@@ -205,21 +207,10 @@ def _inspect(
         earlier, other = _first_negative(scene, work, count, (0.5 * step, -1), clock)
         if other >= 0:
             first, event = earlier, other
-    bound = (0.0, 0.0, 0.0, 0.0, 0.0, _fastest(scene, work, slopes))
-    first, closing = next_contact(scene, work, first, bound, clock)
+    bound_in_step(scene, work, step, slopes, clock)
+    first, closing = next_contact(scene, work, first, clock)
     event = closing if closing < 0 else event + 1
     return first, event, slopes
-
-
-@sealed
-def _fastest(scene: Scene, work: Work, slopes: tuple[float, float, float]) -> float:
-    """Bound of the speed of the points of the part in a step, from those at its ends.
-
-    A step is accurate only if it is short against the changes of speed, hence a small margin.
-    """
-    here = np.hypot(work.slope[0, 0], work.slope[0, 1]) + work.reach * abs(work.slope[0, 2])
-    there = np.hypot(slopes[0], slopes[1]) + work.reach * abs(slopes[2])
-    return float(1.5 * max(here, there))
 
 
 @sealed

@@ -51,6 +51,8 @@ class Scene(NamedTuple):
     clear: Floats
     """(T + V,) distances that tips and corners of the part are known to keep; written. (T,) where
     there is no fixture."""
+    closing: Floats
+    """As many bounds of the speed at which each comes closer on the present curve; written."""
     left_out: Flags
     """(T + V, max(V, F) + 1) edges or walls that a touching body is not measured from, and in the
     last column whether there are any; written."""
@@ -76,11 +78,11 @@ WORK = np.dtype(
         ("pose", np.float64, (3,)),
         ("twist", np.float64, (3,)),
         # Contacts (kind, tip or corner, edge or corner, group of those at one corner), their
-        # modes, constraints w · v = u (normal and tangent of each), and the wrenches of the two
-        # edges of the friction cone of each.
+        # modes, constraints w · v = u (normal and tangent of each) each with one of the two lengths
+        # of `frame`, and the wrenches of the two edges of the friction cone of each.
         ("contact", np.int64, (MOST, 4)),
         ("mode", np.int64, (MOST,)),
-        ("row", np.float64, (2 * MOST, 4)),
+        ("row", np.float64, (2 * MOST, 5)),
         ("push", np.float64, (2 * MOST, 3)),
         # Constraints and wrenches that determine motion and forces, and shares of the wrenches.
         ("basis", np.int64, (6,)),
@@ -102,10 +104,11 @@ WORK = np.dtype(
         ("found", np.int64, (ROOM, MOST + 7)),
         ("merit", np.float64, (ROOM, 4)),
         ("ban", np.int64, (16,)),
-        # Scratch of the choice of a basis.
+        # Scratch of the choice of a basis: `apart` has what each constraint adds to those before
+        # it, and one over the square of its length.
         ("pushes", np.int64, (2 * MOST,)),
         ("picked", np.int64, (4,)),
-        ("units", np.float64, (3, 3)),
+        ("apart", np.float64, (3, 4)),
     ]
 )
 """Working space of a run, one record: a single pointer for the compiled functions to hand on."""

@@ -5,8 +5,6 @@ distance over that speed cannot pass a contact, however small the corner (sphere
 steps below a small part of the curve are cut off.
 """
 
-from typing import TypeAlias
-
 import numpy as np
 
 from meso_robust.kernels import inlined, sealed
@@ -25,13 +23,9 @@ from meso_robust.simulator.events.scene import BUSY, Scene, Work
 NEGATIVE = -1e-11
 """What is below is an event; lengths and speeds in scaled units."""
 
-Bound: TypeAlias = tuple[float, float, float, float, float, float]
-"""Bound of the motion of the part on a curve: place of a point of it at the start and its constant
-velocity (world frame), how fast the part turns about it at most, and the speed of what else there
-is."""
-
 _FAR = 0.2  # distance from the circle about the part that needs no measure of its own
 _FINEST = 1.0 / 2048  # of the curve
+_BOLD = 0.95  # of the longest step that two distances would cover if they changed evenly
 _ROOT_STEPS = 60  # halvings alone would reach rounding in 53
 _EXACT = 1e-15  # of the curve, and of a distance: rounding of numbers of order one
 
@@ -84,8 +78,17 @@ def root(scene: Scene, work: Work, event: int, bracket: tuple[float, float], clo
     low, high = bracket
     f_high = event_value(scene, work, event, high, clock)
     f_low = event_value(scene, work, event, low, clock)
+    return _between(scene, work, event, (low, f_low, high, f_high), clock)
+
+
+@sealed
+def _between(
+    scene: Scene, work: Work, event: int, bracket: tuple[float, float, float, float], clock: float
+) -> float:
+    """The same for a bracket given with the values at its ends, each after its instant."""
+    low, f_low, high, f_high = bracket
     if f_low <= _EXACT:  # it may grow from zero at the start, which is not where it falls to zero
-        low, f_low = _positive(scene, work, event, bracket, clock)
+        low, f_low = _positive(scene, work, event, (low, high), clock)
         if f_low <= _EXACT:
             return low
     side = 0
@@ -128,62 +131,45 @@ def _positive(
 def _march(scene: Scene, work: Work, body: int, limit: tuple[float, float], clock: float) -> float:
     """Instant at which a tip or corner closes a contact, or infinity; `limit` is time and speed.
 
-    Its distance at the start must be there.
+    Its distance at the start must be there. A step may be longer than the distance allows if there
+    is so much left at its end that the two distances cover it (Keinert and others, *Enhanced sphere
+    tracing*, 2014).
     """
     end, speed = limit
-    time, apart = 0.0, 0.0
-    here = scene.clear[body]
+    time, here = 0.0, scene.clear[body]
+    apart, f_apart = 0.0, here
+    rate = speed  # at which it came closer last
     while time < end:
         if here >= speed * (end - time):
             scene.clear[body] = here - speed * (end - time)
             return np.inf
-        ahead = min(time + max(here / speed, _FINEST * end), end)
+        safe = max(here / speed, _FINEST * end)
+        step = max(_BOLD * 2.0 * here / (speed + rate), safe)
+        ahead = min(time + step, end)
         there = event_value(scene, work, -1 - body, ahead, clock)
+        if there < speed * step - here and step > safe:
+            step, ahead = 0.0, min(time + safe, end)
+            there = event_value(scene, work, -1 - body, ahead, clock)
         if there < NEGATIVE:
-            return root(scene, work, -1 - body, (apart, ahead), clock)
+            return _between(scene, work, -1 - body, (apart, f_apart, ahead, there), clock)
+        rate = min(max((here - there) / (ahead - time), 0.0), speed) if step > 0.0 else speed
         time, here = ahead, there
-        apart = time if here > 0.0 else apart  # a step may end in the band that is no event yet
+        if here > 0.0:  # a step may end in the band that is no event yet
+            apart, f_apart = time, here
     scene.clear[body] = max(here, 0.0)
     return np.inf
 
 
-@inlined
-def _length(x: float, y: float) -> float:
-    """Length of a vector of order one, in the plainest way."""
-    return np.sqrt(x * x + y * y)
-
-
-@inlined
-def _closing(scene: Scene, work: Work, body: int, end: float, bound: Bound, clock: float) -> float:
-    """Bound of the speed at which a body and what it may touch come closer on the curve."""
-    x, y, vx, vy, turn, rest = bound
-    if body >= scene.tips.shape[0]:
-        return float(_length(vx, vy) + 2.0 * work.reach * turn + rest)
-    tx, ty, ux, uy = (
-        scene.tips[body, 0],
-        scene.tips[body, 1],
-        scene.tips[body, 2],
-        scene.tips[body, 3],
-    )
-    own = _length(ux - vx, uy - vy)
-    lever = _length(tx + ux * clock - x, ty + uy * clock - y) + own * end
-    return float(own + turn * lever + rest)
-
-
 @sealed
-def next_contact(
-    scene: Scene, work: Work, end: float, bound: Bound, clock: float
-) -> tuple[float, int]:
+def next_contact(scene: Scene, work: Work, end: float, clock: float) -> tuple[float, int]:
     """First contact that closes on the curve.
 
     Parameters
     ----------
     scene, work
-        The run.
+        The run; the bounds of `closing` must be there.
     end
         Length of the curve on the clock.
-    bound
-        Of the motion of the part; see `Bound`.
     clock
         The clock at the start of the curve.
 
@@ -197,7 +183,7 @@ def next_contact(
     first = end
     start, known = (0.0, 0.0, 0.0, 0.0), False
     for body in range(scene.clear.shape[0]):
-        speed = _closing(scene, work, body, first, bound, clock)
+        speed = scene.closing[body]
         way = speed * first
         if way == 0.0 or (scene.clear[body] > way):
             scene.clear[body] -= way
