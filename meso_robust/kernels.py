@@ -14,8 +14,11 @@ _P = ParamSpec("_P")
 _R = TypeVar("_R")
 _T = TypeVar("_T")
 
+FUSED = frozenset({"contract"})
+"""What Numba calls a product and a sum that are rounded once."""
 
-def sealed(function: Callable[_P, _R]) -> Callable[_P, _R]:
+
+def sealed(function: Callable[_P, _R], fused: bool = False) -> Callable[_P, _R]:
     """Compile a function that only kernels call and that makes no array.
 
     It counts no references: its arrays outlive it, and counting was measured to take most of the
@@ -27,13 +30,15 @@ def sealed(function: Callable[_P, _R]) -> Callable[_P, _R]:
     ----------
     function
         Written for Numba: numbers and arrays in and out.
+    fused
+        Whether a product and a sum may be rounded once; never where roundings are counted.
 
     Returns
     -------
     callable
         For kernels only: a call from Python is a TypeError.
     """
-    return _callee(function, error_model="numpy", _nrt=False)
+    return _callee(function, error_model="numpy", _nrt=False, fastmath=_fastmath(fused))
 
 
 def strict(function: Callable[_P, _R]) -> Callable[_P, _R]:
@@ -52,7 +57,7 @@ def strict(function: Callable[_P, _R]) -> Callable[_P, _R]:
     return _callee(function)
 
 
-def inlined(function: Callable[_P, _R]) -> Callable[_P, _R]:
+def inlined(function: Callable[_P, _R], fused: bool = False) -> Callable[_P, _R]:
     """Compile as `sealed` does, and always into the functions that call it.
 
     For small functions that take or return several numbers: a call hands those on by memory.
@@ -61,13 +66,20 @@ def inlined(function: Callable[_P, _R]) -> Callable[_P, _R]:
     ----------
     function
         Written for Numba: numbers and arrays in and out.
+    fused
+        As for `sealed`.
 
     Returns
     -------
     callable
         For kernels only: a call from Python is a TypeError.
     """
-    return _callee(function, error_model="numpy", _nrt=False, forceinline=True)
+    options = {"error_model": "numpy", "_nrt": False, "forceinline": True}
+    return _callee(function, **options, fastmath=_fastmath(fused))
+
+
+def _fastmath(fused: bool) -> object:
+    return set(FUSED) if fused else False
 
 
 def _callee(function: Callable[_P, _R], **options: object) -> Callable[_P, _R]:

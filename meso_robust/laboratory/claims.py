@@ -243,14 +243,12 @@ def first_meeting(move: MoveRun) -> tuple[npt.NDArray[np.int64], Meetings]:
     Returns
     -------
     tuple
-        (N,) ``UPPER`` or ``LOWER`` as `first_tip` has it, and the meetings of these tips.
+        (N,) ``UPPER`` or ``LOWER`` as `first_tip` has it, and the meetings of these tips, (N,) each.
     """
-    upper, lower = (
-        meets(move.ways[:, :, tip], move.radii[:, tip], move.before, move.outlines)
-        for tip in (UPPER, LOWER)
-    )
-    below = lower.share < upper.share
-    found = (np.where(below, one, other) for one, other in zip(lower, upper, strict=True))
+    active = [UPPER, LOWER]
+    both = meets(move.ways[:, :, active], move.radii[:, active], move.before, move.outlines)
+    below = both.share[:, 1] < both.share[:, 0]
+    found = (np.where(below, one[:, 1], one[:, 0]) for one in both)
     return np.where(below, LOWER, UPPER), Meetings(*found)
 
 

@@ -8,6 +8,7 @@ import numpy as np
 import numpy.typing as npt
 from numba import njit
 
+from meso_robust.kernels import inlined
 from meso_robust.laboratory.geometry import frames, turned
 from meso_robust.types import Flags, Floats
 
@@ -16,14 +17,14 @@ CORNER = -1
 
 
 class Meetings(NamedTuple):
-    """Where each of N tips meets a part at rest."""
+    """Where each tip of N runs meets a part at rest."""
 
     share: Floats
-    """(N,) legs made until then, with the part of the last; infinite if it never does."""
+    """(N, P) legs made until then, with the part of the last; infinite if it never does."""
     edge: npt.NDArray[np.int64]
-    """(N,) edge that it meets, by its first corner, or `CORNER`."""
+    """(N, P) edge that it meets, by its first corner, or `CORNER`."""
     along: Floats
-    """(N,) where on that edge, from its first corner, m."""
+    """(N, P) where on that edge, from its first corner, m."""
 
 
 def meets(ways: Floats, radii: Floats, poses: Floats, outlines: Floats) -> Meetings:
@@ -32,9 +33,9 @@ def meets(ways: Floats, radii: Floats, poses: Floats, outlines: Floats) -> Meeti
     Parameters
     ----------
     ways
-        (N, L + 1, 2) ends of the legs of the tips' centres, m; they start outside the parts.
+        (N, L + 1, P, 2) ends of the legs of the tips' centres, m; they start outside the parts.
     radii
-        (N,) of the tips, m.
+        (N, P) of the tips, m.
     poses, outlines
         (N, 3) of the parts, and (N, V, 2) their corners, m.
 
@@ -43,9 +44,12 @@ def meets(ways: Floats, radii: Floats, poses: Floats, outlines: Floats) -> Meeti
     Meetings
         The first of each.
     """
-    count = len(ways)
-    found = Meetings(np.full(count, np.inf), np.full(count, CORNER), np.zeros(count))
-    _find_meetings(np.ascontiguousarray(ways), frames(poses), radii, outlines, *found)
+    found = Meetings(
+        np.full(radii.shape, np.inf), np.full(radii.shape, CORNER), np.zeros(radii.shape)
+    )
+    _find_meetings(
+        np.ascontiguousarray(ways), frames(poses), np.ascontiguousarray(radii), outlines, *found
+    )
     return found
 
 
@@ -60,38 +64,49 @@ def _find_meetings(
     alongs: Floats,
 ) -> None:
     """Write what `meets` finds; of the parts `frames`."""
-    count = outlines.shape[1]
     for i in range(ways.shape[0]):
-        cos, sin, r = parts[i, 2], parts[i, 3], radii[i]
-        for leg in range(ways.shape[1] - 1):
-            ax, ay = ways[i, leg, 0] - parts[i, 0], ways[i, leg, 1] - parts[i, 1]
-            bx, by = ways[i, leg + 1, 0] - parts[i, 0], ways[i, leg + 1, 1] - parts[i, 1]
-            x, y = cos * ax + sin * ay, cos * ay - sin * ax
-            wx, wy = cos * bx + sin * by - x, cos * by - sin * bx - y
-            first = np.inf
-            for j in range(count):
-                after = j + 1 if j + 1 < count else 0
-                dx, dy = x - outlines[i, j, 0], y - outlines[i, j, 1]
-                ex = outlines[i, after, 0] - outlines[i, j, 0]
-                ey = outlines[i, after, 1] - outlines[i, j, 1]
-                length = np.hypot(ex, ey)
-                closing = (ex * wy - ey * wx) / length
-                gap = (ey * dx - ex * dy) / length - r
-                if closing > 0.0 and 0.0 <= gap <= closing and gap / closing < first:
-                    share = gap / closing
-                    along = ((dx + share * wx) * ex + (dy + share * wy) * ey) / length
-                    if 0.0 <= along <= length:
-                        first, edges[i], alongs[i] = share, j, along
-                # the disc about the corner
-                square, half = wx * wx + wy * wy, dx * wx + dy * wy
-                rest = half * half - square * (dx * dx + dy * dy - r * r)
-                if r > 0.0 and half < 0.0 < rest:
-                    share = (-half - np.sqrt(rest)) / square
-                    if 0.0 <= share <= 1.0 and share < first:
-                        first, edges[i], alongs[i] = share, CORNER, 0.0
-            if first < np.inf:
-                shares[i] = leg + first
-                break
+        for tip in range(ways.shape[2]):
+            for leg in range(ways.shape[1] - 1):
+                found = _on_a_leg(ways, parts, radii, outlines, (i, leg, tip))
+                if found[0] < np.inf:
+                    shares[i, tip] = leg + found[0]
+                    edges[i, tip], alongs[i, tip] = found[1], found[2]
+                    break
+
+
+@inlined
+def _on_a_leg(
+    ways: Floats, parts: Floats, radii: Floats, outlines: Floats, which: tuple[int, int, int]
+) -> tuple[float, int, float]:
+    """Share of a leg, edge and place at which a tip meets a part first; see `Meetings`."""
+    i, leg, tip = which
+    cos, sin, r, count = parts[i, 2], parts[i, 3], radii[i, tip], outlines.shape[1]
+    ax, ay = ways[i, leg, tip, 0] - parts[i, 0], ways[i, leg, tip, 1] - parts[i, 1]
+    bx, by = ways[i, leg + 1, tip, 0] - parts[i, 0], ways[i, leg + 1, tip, 1] - parts[i, 1]
+    x, y = cos * ax + sin * ay, cos * ay - sin * ax
+    wx, wy = cos * bx + sin * by - x, cos * by - sin * bx - y
+    first, edge, place = np.inf, CORNER, 0.0
+    for j in range(count):
+        after = j + 1 if j + 1 < count else 0
+        dx, dy = x - outlines[i, j, 0], y - outlines[i, j, 1]
+        ex = outlines[i, after, 0] - outlines[i, j, 0]
+        ey = outlines[i, after, 1] - outlines[i, j, 1]
+        length = np.hypot(ex, ey)
+        closing = (ex * wy - ey * wx) / length
+        gap = (ey * dx - ex * dy) / length - r
+        if closing > 0.0 and 0.0 <= gap <= closing and gap / closing < first:
+            share = gap / closing
+            along = ((dx + share * wx) * ex + (dy + share * wy) * ey) / length
+            if 0.0 <= along <= length:
+                first, edge, place = share, j, along
+        # the disc about the corner
+        square, half = wx * wx + wy * wy, dx * wx + dy * wy
+        rest = half * half - square * (dx * dx + dy * dy - r * r)
+        if r > 0.0 and half < 0.0 < rest:
+            share = (-half - np.sqrt(rest)) / square
+            if 0.0 <= share <= 1.0 and share < first:
+                first, edge, place = share, CORNER, 0.0
+    return first, edge, place
 
 
 def crosses(
@@ -115,11 +130,9 @@ def crosses(
     Flags
         (N,) whether any of the tips does.
     """
-    found = np.zeros(len(tips), dtype=np.bool_)
-    for k in range(tips.shape[1]):
-        way = np.stack([tips[:, k], tips[:, k] + ways[:, k]], axis=1)
-        found |= np.isfinite(meets(way, radii[:, k] - within, poses, outlines).share)
-    return found
+    legs = np.stack([tips, tips + ways], axis=1)
+    share = meets(legs, radii - within, poses, outlines).share
+    return np.asarray(np.isfinite(share).any(axis=1))
 
 
 def stick_ratio(

@@ -47,7 +47,9 @@ class Frame:
 
     def to_world(self, points: Floats) -> Floats:
         """(..., 2) points or vectors from own axes to the world's."""
-        return points @ self.matrix.T
+        (a, b), (c, d) = self.matrix
+        x, y = points[..., 0], points[..., 1]
+        return np.stack([a * x + b * y, c * x + d * y], axis=-1)
 
     def sensed(self, poses: Floats) -> Floats:
         """(..., 3) poses (m, m, rad) from the world's axes to own ones, in plain numbers."""

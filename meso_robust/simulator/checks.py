@@ -342,7 +342,9 @@ def depth_inside(vertices: Floats, points: Floats) -> Floats:
         (N,) distance to the nearest edge, negative for points outside.
     """
     nearest = np.full(len(points), np.inf)
-    winding = np.zeros(len(points))
+    enclosed = np.zeros(
+        len(points), dtype=np.bool_
+    )  # a ray along x crosses the outline oddly often
     corners = np.moveaxis(
         vertices, -2, 0
     )  # edge by edge, to keep the memory at a few numbers a point
@@ -353,13 +355,12 @@ def depth_inside(vertices: Floats, points: Floats) -> Floats:
         x, y = points[:, 0] - start[..., 0], points[:, 1] - start[..., 1]
         along = np.clip(ty * y + tx * x, 0.0, length)
         nearest = np.minimum(nearest, np.hypot(x - along * tx, y - along * ty))
-        end_x, end_y = x - length * tx, y - length * ty
-        winding += np.arctan2(x * end_y - y * end_x, x * end_x + y * end_y)
+        beside = edge[..., 0] * y - edge[..., 1] * x
+        enclosed ^= ((y < 0.0) != (y < edge[..., 1])) & (beside * np.sign(edge[..., 1]) > 0.0)
     turn = corners[..., 0] * np.roll(corners[..., 1], -1, axis=0)
     turn = turn - corners[..., 1] * np.roll(corners[..., 0], -1, axis=0)
     free = turn.sum() < 0.0  # clockwise: the solid is outside
-    inside = (winding > np.pi) if not free else (winding > -np.pi)
-    return np.asarray(np.where(inside, nearest, -nearest))
+    return np.asarray(np.where(enclosed != free, nearest, -nearest))
 
 
 def _overlap(vertices: Floats, poses: Floats, outline: Floats, origin: Floats) -> Floats:

@@ -91,33 +91,32 @@ def test_a_probe_that_cannot_withdraw_is_noticed() -> None:
 
 
 def test_a_tip_meets_a_rectangle_where_it_does_by_hand() -> None:
-    tip = np.array([[1e-3, 100e-6], [1e-3, 900e-6], [-1e-3, 0.0]])
+    tip = np.array([[1e-3, 100e-6], [1e-3, 900e-6], [-1e-3, 0.0]])[:, None]
     ways = np.stack([tip, tip + np.array([-200e-6, 0.0]), tip + np.array([-400e-6, 0.0])], axis=1)
-    upright, points = np.zeros((3, 3)), np.zeros(3)
+    upright, points = np.zeros((3, 3)), np.zeros((3, 1))
 
     met = meets(ways, points, upright, plates(3))
 
-    assert met.share[0] == pytest.approx(192.0 / 200.0)
+    assert met.share[0, 0] == pytest.approx(192.0 / 200.0)
     assert np.isinf(met.share[1:]).all()
-    assert (met.edge[0], met.along[0]) == (1, pytest.approx((418.5 + 100.0) * 1e-6))
+    assert (met.edge[0, 0], met.along[0, 0]) == (1, pytest.approx((418.5 + 100.0) * 1e-6))
     turned = np.array([[0.0, 0.0, math.pi / 2]])
     met = meets(ways[:1] + np.array([-350e-6, 0.0]), points[:1], turned, plates(1))
     # the part's y axis points along -x: the tip meets its lower edge, 100 um along its x axis
-    assert met.share == pytest.approx([231.5 / 200.0])
-    assert (met.edge[0], met.along[0]) == (0, pytest.approx((808.0 + 100.0) * 1e-6))
+    assert met.share[0, 0] == pytest.approx(231.5 / 200.0)
+    assert (met.edge[0, 0], met.along[0, 0]) == (0, pytest.approx((808.0 + 100.0) * 1e-6))
 
 
 def test_a_disc_meets_an_edge_earlier_and_a_corner_by_its_circle() -> None:
     """10 um across the corner's height: sqrt(12.5^2 - 10^2) = 7.5 um before it."""
-    tip = np.array([[1e-3, 100e-6], [1e-3, 428.5e-6], [1e-3, 440e-6]])
+    tip = np.array([[1e-3, 100e-6], [1e-3, 428.5e-6], [1e-3, 440e-6]])[:, None]
     ways = np.stack([tip, tip + np.array([-400e-6, 0.0])], axis=1)
 
-    met = meets(ways, np.full(3, 12.5e-6), np.zeros((3, 3)), plates(3))
+    met = meets(ways, np.full((3, 1), 12.5e-6), np.zeros((3, 3)), plates(3))
 
-    assert met.share[0] == pytest.approx((192.0 - 12.5) / 400.0)
-    assert met.share[1] == pytest.approx((192.0 - 7.5) / 400.0)
-    assert np.isinf(met.share[2])
-    assert met.edge.tolist() == [1, CORNER, CORNER]
+    assert met.share[:2, 0] == pytest.approx([(192.0 - 12.5) / 400.0, (192.0 - 7.5) / 400.0])
+    assert np.isinf(met.share[2, 0])
+    assert met.edge[:, 0].tolist() == [1, CORNER, CORNER]
 
 
 def test_ways_that_cross_and_that_do_not() -> None:

@@ -18,8 +18,8 @@ from typing import TypeAlias
 
 import numpy as np
 
-from meso_robust.kernels import inlined, sealed
 from meso_robust.simulator.events.contact import Place, frame, friction
+from meso_robust.simulator.events.fused import inlined, sealed
 from meso_robust.simulator.events.outline import BEFORE, NX, NY
 from meso_robust.simulator.events.scene import (
     FIRST,

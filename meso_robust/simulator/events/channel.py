@@ -8,10 +8,10 @@ the speed of the part along the edge.
 
 import numpy as np
 
-from meso_robust.kernels import inlined, sealed
 from meso_robust.simulator.events.balance import cross, dot, is_even, times
 from meso_robust.simulator.events.contact import to_body
 from meso_robust.simulator.events.curve import about_pivot, guided_turn, start_guided
+from meso_robust.simulator.events.fused import inlined, sealed
 from meso_robust.simulator.events.outline import NX, NY
 from meso_robust.simulator.events.scene import (
     CLOSED,
@@ -27,7 +27,7 @@ from meso_robust.simulator.events.scene import (
     Scene,
     Work,
 )
-from meso_robust.simulator.events.tableau import NODES, RESULT, STAGES, WEIGHTS
+from meso_robust.simulator.events.tableau import ALL, INSIDE, NODES, RESULT, STAGES, WEIGHTS
 
 _PARALLEL = 1e-14  # sine of the angle between edges: rounding of their normals
 
@@ -68,6 +68,55 @@ def _force(scene: Scene, work: Work, c: int) -> tuple[float, float, float]:
 @sealed
 def glide(scene: Scene, work: Work, step: float) -> None:
     """Step along the channel from the present pose; write the slopes and the trial pose."""
+    _stages(scene, work, step, 0, STAGES)
+    way = 0.0
+    for k in range(STAGES):
+        way += RESULT[k] * work.slide[k]
+    _write_pose(scene, work, step, step * way)
+
+
+@sealed
+def prepare_inside(scene: Scene, work: Work, step: float) -> None:
+    """Write the way inside the step that was made last, as a polynomial of order 7.
+
+    With ``u`` the part of the step it is ``u (w₀ + (1 − u)(w₁ + u (w₂ + (1 − u)(w₃ + …``
+    """
+    slide, inside = work.slide, work.inside
+    _stages(scene, work, step, STAGES, ALL)
+    way = 0.0
+    for k in range(STAGES):
+        way += RESULT[k] * slide[k]
+    inside[0], inside[1] = step * way, step * (slide[0] - way)
+    inside[2] = step * (2.0 * way - slide[STAGES] - slide[0])
+    for m in range(INSIDE.shape[0]):
+        inside[3 + m] = 0.0
+        for k in range(ALL):
+            inside[3 + m] += step * INSIDE[m, k] * slide[k]
+
+
+@sealed
+def glide_inside(scene: Scene, work: Work, step: float, time: float) -> None:
+    """Write the trial pose at an instant of the step, which `prepare_inside` was told of."""
+    part = time / step
+    way = 0.0
+    for m in range(work.inside.shape[0] - 1, -1, -1):
+        way = (way + work.inside[m]) * (part if m % 2 == 0 else 1.0 - part)
+    _write_pose(scene, work, time, way)
+
+
+@inlined
+def _write_pose(scene: Scene, work: Work, time: float, way: float) -> None:
+    """Write the trial pose at an instant from the way of the first tip along its edge until then."""
+    curve, edge = work.channel, scene.edges[work.contact[work.pair[0], SECOND]]
+    turn = guided_turn(curve, time)[0]
+    pivot = (curve[6] - way * edge[NY], curve[7] + way * edge[NX])
+    x, y, _, _ = about_pivot(curve, time, turn, pivot)
+    work.trial[0], work.trial[1], work.trial[2] = x, y, curve[3] + np.arctan2(turn[0], turn[1])
+
+
+@inlined
+def _stages(scene: Scene, work: Work, step: float, start: int, end: int) -> None:
+    """Write the slopes of the stages of a step from one on up to another."""
     slide, curve = work.slide, work.channel
     edge = scene.edges[work.contact[work.pair[0], SECOND]]
     nx, ny = edge[NX], edge[NY]
@@ -78,7 +127,7 @@ def glide(scene: Scene, work: Work, step: float) -> None:
     by_one, by_other = -(nx * gx + ny * gy), -(nx * hx + ny * hy)
     tilt = times(work.drag, (gy * by_other - hy * by_one, hx * by_one - gx * by_other, 0.0))
     below = tilt[1] * nx - tilt[0] * ny
-    for s in range(STAGES):
+    for s in range(start, end):
         turn, between, omega = guided_turn(curve, NODES[s] * step)
         place = about_pivot(curve, 0.0, turn, (px, py))
         bx, by = to_body(between[0], between[1], place)
@@ -96,10 +145,3 @@ def glide(scene: Scene, work: Work, step: float) -> None:
             way += WEIGHTS[s, k] * slide[k]
         way *= step
         slide[s] = (rest + way * (first + way * second)) / (all_but + way * below)
-    way = 0.0
-    for k in range(STAGES):
-        way += RESULT[k] * slide[k]
-    way *= step
-    turn = guided_turn(curve, step)[0]
-    x, y, _, _ = about_pivot(curve, step, turn, (curve[6] - way * ny, curve[7] + way * nx))
-    work.trial[0], work.trial[1], work.trial[2] = x, y, curve[3] + np.arctan2(turn[0], turn[1])

@@ -8,7 +8,7 @@ velocities make the motion not unique; none at all is a jam.
 
 import numpy as np
 
-from meso_robust.kernels import inlined, part
+from meso_robust.kernels import part
 from meso_robust.simulator.events.balance import (
     LARGEST,
     dot,
@@ -20,6 +20,7 @@ from meso_robust.simulator.events.balance import (
     watch,
 )
 from meso_robust.simulator.events.contact import Place, friction
+from meso_robust.simulator.events.fused import inlined
 from meso_robust.simulator.events.scene import (
     BANNED,
     CLOSED,

@@ -9,7 +9,7 @@ from typing import TypeAlias
 
 import numpy as np
 
-from meso_robust.kernels import inlined, sealed
+from meso_robust.simulator.events.fused import inlined, sealed
 from meso_robust.simulator.events.scene import Scene, Work
 
 Bound: TypeAlias = tuple[float, float, float, float, float]

@@ -8,7 +8,7 @@ from typing import TypeAlias
 
 import numpy as np
 
-from meso_robust.kernels import inlined, sealed
+from meso_robust.simulator.events.fused import inlined, sealed
 from meso_robust.simulator.events.outline import AFTER, BEFORE, CONVEX, LENGTH, NX, NY, TIP, VX, VY
 from meso_robust.simulator.events.scene import (
     CORNER,

@@ -19,8 +19,8 @@ the line through the first along the edge, the normal ``m`` of the edge has ``m 
 
 import numpy as np
 
-from meso_robust.kernels import inlined, sealed
 from meso_robust.simulator.events.contact import Place, tip_in_body
+from meso_robust.simulator.events.fused import inlined, sealed
 from meso_robust.simulator.events.outline import NX, NY, VX, VY
 from meso_robust.simulator.events.scene import FIRST, SECOND, SLIP_MINUS, Scene, Work
 from meso_robust.types import Floats

@@ -10,9 +10,10 @@ import numpy as np
 import numpy.typing as npt
 from numba import njit
 
-from meso_robust.kernels import fingerprint, sealed, threads
+from meso_robust.kernels import FUSED, fingerprint, threads
 from meso_robust.simulator.events.balance import invert
 from meso_robust.simulator.events.checks import check_move
+from meso_robust.simulator.events.fused import sealed
 from meso_robust.simulator.events.journey import Log, run
 from meso_robust.simulator.events.outline import CONVEX, edge_table
 from meso_robust.simulator.events.scene import EVENTS, LOGGED, MOST, WORK, Scene, Work
@@ -178,7 +179,7 @@ def _compiled() -> Kernel:
     """Make the batch kernel, compiled at its first call and kept on disk; see ``fingerprint``."""
     key = fingerprint("simulator/events")
 
-    @njit(cache=True, nogil=True, error_model="numpy")
+    @njit(cache=True, nogil=True, error_model="numpy", fastmath=set(FUSED))
     def kernel(
         inputs: Inputs, outputs: Outputs, works: npt.NDArray[np.void], first: int, last: int
     ) -> None:

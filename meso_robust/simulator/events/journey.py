@@ -8,9 +8,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from meso_robust.kernels import part, sealed
+from meso_robust.kernels import part
 from meso_robust.simulator.events.choice import FOUND, JAM, NOT_UNIQUE, choose, code_of
 from meso_robust.simulator.events.contact import list_touching
+from meso_robust.simulator.events.fused import sealed
 from meso_robust.simulator.events.outline import BEFORE, leave_out
 from meso_robust.simulator.events.phase import advance
 from meso_robust.simulator.events.scene import (

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from meso_robust.kernels import inlined
+from meso_robust.simulator.events.fused import inlined
 from meso_robust.types import Flags, Floats
 
 VX, VY, NX, NY, LENGTH, CONVEX, BEFORE, AFTER, TIP = range(9)

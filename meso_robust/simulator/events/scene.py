@@ -91,15 +91,19 @@ WORK = np.dtype(
         ("count", np.int64, (8,)),
         # What must not become negative in the present mode.
         ("slack", np.float64, (4 * MOST,)),
+        # The same at the start of a step, after whether they are known.
+        ("before", np.float64, (1 + 4 * MOST,)),
         # Slopes and result of a Runge-Kutta step, and the curve through it (see `curve`).
         ("slope", np.float64, (12, 3)),
         ("trial", np.float64, (3,)),
         ("curve", np.float64, (18,)),
         # The guided curve of a part in a channel, 0 in the first entry if it is in none, the two
-        # contacts that make it, and the slopes of the way along it in a Runge-Kutta step.
+        # contacts that make it, the slopes of the way along it in a Runge-Kutta step, and that way
+        # inside the step.
         ("channel", np.float64, (18,)),
         ("pair", np.int64, (2,)),
-        ("slide", np.float64, (12,)),
+        ("slide", np.float64, (16,)),
+        ("inside", np.float64, (7,)),
         # Modes and basis of the combinations that hold, with twist and merit; modes not to choose.
         ("found", np.int64, (ROOM, MOST + 7)),
         ("merit", np.float64, (ROOM, 4)),

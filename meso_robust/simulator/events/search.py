@@ -7,10 +7,10 @@ steps below a small part of the curve are cut off.
 
 import numpy as np
 
-from meso_robust.kernels import inlined, sealed
 from meso_robust.simulator.events.balance import monitor, velocity
 from meso_robust.simulator.events.contact import Place, tip_in_body
 from meso_robust.simulator.events.curve import place_at
+from meso_robust.simulator.events.fused import inlined, sealed
 from meso_robust.simulator.events.outline import (
     CONVEX,
     VX,

@@ -2,10 +2,10 @@
 
 import numpy as np
 
-from meso_robust.kernels import sealed
 from meso_robust.simulator.events.balance import fill
 from meso_robust.simulator.events.choice import add_row
 from meso_robust.simulator.events.contact import gap, list_touching
+from meso_robust.simulator.events.fused import sealed
 from meso_robust.simulator.events.phase import project
 from meso_robust.simulator.events.scene import (
     FIRST,

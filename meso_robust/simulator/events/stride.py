@@ -2,9 +2,9 @@
 
 import numpy as np
 
-from meso_robust.kernels import inlined, sealed
 from meso_robust.simulator.events.balance import velocity
 from meso_robust.simulator.events.channel import glide
+from meso_robust.simulator.events.fused import inlined, sealed
 from meso_robust.simulator.events.scene import Scene, Work
 from meso_robust.simulator.events.tableau import ERROR_3, ERROR_5, NODES, RESULT, STAGES, WEIGHTS
 
