@@ -131,21 +131,36 @@ def test_part_jams_if_and_only_if_the_tips_come_as_near_as_that(seed: int) -> No
     np.testing.assert_allclose(result.ended_at[jams], at[jams], rtol=0, atol=1e-9)
 
 
+def reversal() -> dict[str, Any]:
+    """A run of the plan for real probes that was called jammed, as `integrate` takes it."""
+    numbers = json.loads((Path(__file__).parent / "reversal.json").read_text())
+    return {name: np.array(value) for name, value in numbers.items()}
+
+
 @pytest.mark.parametrize("seed", range(3))
 def test_slip_that_reverses_between_two_tips_is_no_jam(seed: int) -> None:
-    """A run of the plan for real probes: at the reversal the slip is nought but for rounding.
+    """At the reversal the slip is nought but for rounding.
 
     Of these neighbours four or five in 400 were taken for jams, where what was left of the slip after
     the search for its reversal was by chance too much for a tie.
     """
-    numbers = json.loads((Path(__file__).parent / "reversal.json").read_text())
-    move = {name: np.array(value) for name, value in numbers.items()}
+    move = reversal()
     rows = ("poses", "tips", "travel", "friction")
     near = move | {name: np.repeat(move[name], 400, axis=0) for name in rows}
     near["friction"] *= 1 + 1e-9 * np.random.default_rng(seed).normal(size=(400, 2, 3))
     found = integrate(**near)
     assert (found.outcomes == Outcome.COMPLETED).all()
     assert np.ptp(found.poses, axis=0).max() < 1e-9  # m and rad
+
+
+def test_poses_in_a_channel_are_those_of_shorter_moves() -> None:
+    # both tips slip along the part's long edges, which are parallel here
+    move = reversal() | {"stage_lay": np.zeros(2), "vertices": PLATE}
+    move["travel"], move["friction"] = move["travel"][:, :1], move["friction"][:, :1]
+    path = integrate(**move, samples=40).path[0]
+    for k in range(0, 41, 3):
+        shorter = integrate(**move | {"travel": move["travel"] * k / 40}).poses[0]
+        np.testing.assert_allclose(path[k], shorter, rtol=0, atol=3e-14)  # m and rad
 
 
 def test_runs_with_large_uncertainties_end_as_in_fine_steps() -> None:
