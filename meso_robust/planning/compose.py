@@ -42,7 +42,10 @@ LEAST_SHARES = (0.05, 0.06, 0.08, 0.1)  # of the wanted gain: where room in x is
 PER_SHARE = 10e-6  # m; a small share may be of a gain smaller than that
 MOST_Y_TRANSLATIONS = 2  # each needs room in x that the start must have
 IN_HAND = (1.2, 1.1, 1.0)  # a plan that bears more than the task's uncertainties is preferred
-AT_ONCE_S = 2.0  # s of computing: what is preferred and not found by then waits until there is a plan at all
+AT_ONCE_S = 6.0  # s of computing: what is preferred and not found by then waits until there is a plan at all
+NOTHING_S = (
+    4.0  # s of computing: whether there is a plan for the least uncertainties, asked meanwhile
+)
 ROOM = 1.01  # on top, where boxes of a certificate leave room for another enclosure and little is to spare
 NARROWED = 0.1  # one uncertainty alone, to find the one that stands in the way
 REDUCED = (0.5, 0.25, 0.1, 0.03)  # all of them
@@ -284,7 +287,7 @@ def _with_most_in_hand(
 def _none_at_all(task: Task, ways: Sequence[_Way]) -> bool:
     """Whether it is soon seen that no plan is found however small the uncertainties."""
     try:
-        with limited(AT_ONCE_S):
+        with limited(NOTHING_S):
             return _rules(task, ways, _choices(task)[-1], REDUCED[-1]) is None
     except EffortSpentError:
         return False
