@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 
 from meso_robust import units
 from meso_robust.bounds import Verdict
@@ -46,6 +46,8 @@ class Planned:
     margin: Margin
     plan: PlanDocument
     certificate: CertificateDocument
+    search_s: float | None = None
+    """Computing time that the search for the plan was limited to, s; None: to none."""
 
     @property
     def summary(self) -> str:
@@ -108,7 +110,7 @@ def make(
     within = "" if search_s is None else f"for at most about {search_s:g} s of computing; "
     with doing(f"searching for a plan ({within}the first run compiles kernels: about a minute)"):
         found = compose(task, search_s)
-    return judge(task, found, samples, seed, doing)
+    return replace(judge(task, found, samples, seed, doing), search_s=search_s)
 
 
 def make_best(task: Task, samples: int, seed: int, doing: Doing = quietly) -> Planned:

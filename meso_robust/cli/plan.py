@@ -54,7 +54,9 @@ def unplanned(run: Run, task: Path, error: object, verb: str) -> NoReturn:
     if not run.quiet:  # a ratio of the wrong unit is a reason to find no plan
         for remark in remarks(stated):
             note(remark)
-    write_all(run.out, {"report.html": unplanned_report(stated, str(error), verb)})
+    within = run.given.get("search_s")
+    options = "" if within is None else f" --search-s {within:g}"
+    write_all(run.out, {"report.html": unplanned_report(stated, str(error), verb, options)})
     for name in ("plan.json", "certificate.json"):  # of an earlier run: not the answer now
         (run.out / name).unlink(missing_ok=True)
     negative(f"UNKNOWN ({stated.tips}): {error} (report: {run.out / 'report.html'})")

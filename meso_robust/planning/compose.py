@@ -22,6 +22,7 @@ from meso_robust.planning.rotation import (
     beside_um,
     rotate_and_finish,
 )
+from meso_robust.planning.stated import widened
 from meso_robust.planning.x_translation import to_goal, upright
 from meso_robust.planning.y_translation import y_translation
 from meso_robust.primitives.certify import certify_move
@@ -41,9 +42,15 @@ LEAST_SHARES = (0.05, 0.06, 0.08, 0.1)  # of the wanted gain: where room in x is
 PER_SHARE = 10e-6  # m; a small share may be of a gain smaller than that
 MOST_Y_TRANSLATIONS = 2  # each needs room in x that the start must have
 IN_HAND = (1.2, 1.1, 1.0)  # a plan that bears more than the task's uncertainties is preferred
+AT_ONCE_S = 6.0  # s of computing: what is preferred and not found by then waits until there is a plan at all
+NOTHING_S = (
+    4.0  # s of computing: whether there is a plan for the least uncertainties, asked meanwhile
+)
 ROOM = 1.01  # on top, where boxes of a certificate leave room for another enclosure and little is to spare
 NARROWED = 0.1  # one uncertainty alone, to find the one that stands in the way
 REDUCED = (0.5, 0.25, 0.1, 0.03)  # all of them
+ALONE = (1.0, 0.3, 0.1)  # of one uncertainty, the others as the last of these
+FINELY = 5  # hundredths: how closely it is told up to which factor a plan is proved
 SETTLING = 1.0 / 3.0  # of a limited search: to find out what would settle a task without a plan
 COMING_BACK_UM = 10.0  # of the goal in y is close enough after several pushes
 _HALF_TURN = (
@@ -52,6 +59,10 @@ _HALF_TURN = (
 )
 LEAST_TURN, MOST_TURN = 45.0, 135.0  # deg; of a polygon between two tips
 UPRIGHT = math.radians(1.5)  # an edge closer than this to upright needs no straightening
+
+
+_NARROWER = (Remedy.NARROW_ONE, Remedy.NARROW_ALL)
+_LONGER = (Remedy.SEARCH_LONGER_OR_NARROW, Remedy.SEARCH_LONGER)
 
 
 class Walls(Enum):
@@ -74,6 +85,8 @@ class Found:
     """Factor on the uncertainties; at least 1 means that the plan holds for the task."""
     only: str | None = None
     """The one uncertainty that was scaled, None for all."""
+    range: str | None = None
+    """What that leaves of it, in the words of the task's file."""
 
     remedy: Remedy = Remedy.LEAVE_SLOT
     """What to do if the plan is robust where it was searched and still not certified."""
@@ -85,19 +98,13 @@ class Found:
         """What a user can do if the plan is not certified for the task."""
         if self.scale >= 1.0:
             return about(self.remedy)
+        known = {"scale": str(self.scale)}
+        if self.only is not None:
+            known |= {"uncertainty": self.only, "range": self.range or ""}
         if self.searched_s is not None:
-            seconds = f"{self.searched_s:g}"
-            if self.only is None:
-                return about(Remedy.SEARCH_LONGER, scale=str(self.scale), seconds=seconds)
-            return about(
-                Remedy.SEARCH_LONGER_OR_NARROW,
-                uncertainty=self.only,
-                scale=str(self.scale),
-                seconds=seconds,
-            )
-        if self.only is None:
-            return about(Remedy.NARROW_ALL, scale=str(self.scale))
-        return about(Remedy.NARROW_ONE, uncertainty=self.only, scale=str(self.scale))
+            known["seconds"] = f"{self.searched_s:g}"
+            return about(_LONGER[self.only is None], **known)
+        return about(_NARROWER[self.only is None], **known)
 
 
 def compose(task: Task, search_s: float | None = None) -> Found:
@@ -149,9 +156,14 @@ def compose(task: Task, search_s: float | None = None) -> Found:
             f"no robust plan was found within {within:g} s of computing, nor one with all uncertainties scaled by "
             f"{REDUCED[-1]}: look longer (--search-s), or start further from the goal, or widen the goal"
         )
+    raise _no_plan(task)
+
+
+def _no_plan(task: Task) -> NotApplicableError:
+    """Of a task for which none is found however small its uncertainties."""
     stated = task.probe.headings is not None
     more = ", or state probes on more sides ([probe] headings)" if stated else ""
-    raise NotApplicableError(
+    return NotApplicableError(
         "no robust plan was found, even with all uncertainties scaled by "
         f"{REDUCED[-1]}: the start (x = {task.start.x_um} um, y = {task.start.y_um} um, theta = "
         f"{task.start.theta_deg} deg) leaves no room for the primitives to reach the goal; "
@@ -174,22 +186,50 @@ def _for_task(
 
 
 def _narrowed(task: Task, ways: Sequence[_Way], headings: Sequence[Heading]) -> Iterator[Found]:
-    """Plans for smaller uncertainties: first the last resort, if there is one, then any that is closer."""
+    """Plans for smaller uncertainties: first the last resort, if there is one, then any that is closer.
+
+    An uncertainty that the last resort does not bear alone is suspected to stand in the way of others.
+    """
     last = _rules(task, ways, headings, REDUCED[-1])
     if last is None:
         return
     yield Found(rules=last, scale=REDUCED[-1])
+    named = narrowed_first(task, NARROWED, _last_headings(ways, headings))
+    suspected = _suspected(task, last, named)
     attempts: list[tuple[float, str | None]] = [
-        *(
-            (NARROWED, name)
-            for name in narrowed_first(task, NARROWED, _last_headings(ways, headings))
-        ),
+        *((NARROWED, name) for name in suspected),
         *((scale, None) for scale in REDUCED[:-1]),
+        *((NARROWED, name) for name in named if name not in suspected),
     ]
     for scale, only in attempts:
         rules = _rules(task, ways, headings, scale, only)
         if rules is not None:
-            yield Found(rules=rules, scale=scale, only=only)
+            most = _borne(task, rules, scale, only)
+            range_ = None if only is None else widened(task, only, most)
+            yield Found(rules=rules, scale=most, only=only, range=range_)
+
+
+def _suspected(task: Task, rules: Sequence[MoveRule], names: Sequence[str]) -> list[str]:
+    """Uncertainties that a plan for smaller ones does not bear alone, the one that it bears least of first."""
+    borne = dict.fromkeys(names, 0.0)
+    left = list(names)
+    for share in ALONE:
+        setups = {name: setup_of(task, REDUCED[-1], apart={name: share}) for name in left}
+        left = [name for name in left if not _proved(rules, _in_the_open(setups[name]))]
+        borne |= dict.fromkeys(left, -share)
+    return sorted((name for name in names if borne[name] < 0.0), key=lambda name: -borne[name])
+
+
+def _borne(task: Task, rules: Sequence[MoveRule], scale: float, only: str | None) -> float:
+    """The largest factor at which a plan that is proved at ``scale`` is seen to be, in hundredths."""
+    good, bad = round(100 * scale), 100
+    while bad - good > FINELY:
+        trial = (good + bad) // 2
+        if _proved(rules, _in_the_open(setup_of(task, trial / 100, only))):
+            good = trial
+        else:
+            bad = trial
+    return good / 100
 
 
 def robust_at(task: Task, scale: float) -> tuple[MoveRule, ...] | None:
@@ -221,17 +261,36 @@ def _with_most_in_hand(
     """The plan that bears the most; where none bears the task's uncertainties none bears more."""
     room = ROOM if setup_of(task).may_slip else 1.0
     most, more, least = (scale * room if scale > 1.0 else scale for scale in IN_HAND)
-    rules = _rules(task, ways, headings, most, walls=walls)
+    try:
+        with limited(AT_ONCE_S):
+            rules = _rules(task, ways, headings, most, walls=walls)
+        further = [more]
+    except EffortSpentError:
+        rules, further = None, [most, more]
+        if _none_at_all(task, ways):
+            raise _no_plan(task) from None
     if rules is not None:
         return Found(rules=rules, scale=most)
     rules = _rules(task, ways, headings, least, walls=walls)
     if rules is None:
         return None
     try:
-        better = _rules(task, ways, headings, more, walls=walls)
+        for scale in further:
+            better = _rules(task, ways, headings, scale, walls=walls)
+            if better is not None:
+                return Found(rules=better, scale=scale)
     except EffortSpentError:
-        better = None
-    return Found(rules=rules, scale=least) if better is None else Found(rules=better, scale=more)
+        pass
+    return Found(rules=rules, scale=least)
+
+
+def _none_at_all(task: Task, ways: Sequence[_Way]) -> bool:
+    """Whether it is soon seen that no plan is found however small the uncertainties."""
+    try:
+        with limited(NOTHING_S):
+            return _rules(task, ways, _choices(task)[-1], REDUCED[-1]) is None
+    except EffortSpentError:
+        return False
 
 
 def _choices(task: Task) -> list[Sequence[Heading]]:
@@ -259,7 +318,7 @@ def _rules(
         return None
     if walls in (None, Walls.OPEN):
         # proposed without a slot, or pushes that a wall is in the way of were left out
-        setup = replace(setup, blocks=())
+        setup = _in_the_open(setup)
     guide = walls is Walls.GUIDE
     for rules in _proposed(task, setup, ways, headings, guide=guide):
         if _proved(rules, setup):
@@ -268,6 +327,11 @@ def _rules(
         if cut is not None:
             return cut
     return None
+
+
+def _in_the_open(setup: Setup) -> Setup:
+    """Without a slot."""
+    return replace(setup, blocks=())
 
 
 def _last_headings(ways: Sequence[_Way], headings: Sequence[Heading]) -> Sequence[Heading]:
@@ -332,7 +396,7 @@ def _placed(steps: Sequence[Step], frame: Frame) -> tuple[MoveRule, ...]:
 
 
 def _proved(rules: Sequence[MoveRule], setup: Setup) -> bool:
-    """Whether a plan is proved with the ways between the poses, which searches leave out, and the slot."""
+    """Whether a plan is proved to the goal, with the ways between the poses, which searches leave out, and the slot."""
     state: PoseBox | None = setup.start
     step: Step | None = None
     for rule in rules:
@@ -342,7 +406,7 @@ def _proved(rules: Sequence[MoveRule], setup: Setup) -> bool:
         if step.verdict is not Verdict.PROVED:
             return False
         state = step.post
-    return True
+    return state is not None and state.within(setup.goal)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -1,15 +1,49 @@
 """Step (2a) of Lemma 1's search: whether a push sticks under the nominal condition.
 
-Plain numbers, no proof: it only saves certifying what cannot be certified.
+Plain numbers, no proof: it only saves certifying what cannot be certified. What does not stick at one corner of
+the task's ranges is not certified for all of them.
 """
 
 from __future__ import annotations
+
+from collections.abc import Sequence
 
 import numpy as np
 
 from meso_robust.bounds import HALF_PI
 from meso_robust.conditions import condition
+from meso_robust.conditions.arrays import values
 from meso_robust.primitives.setup import PoseBox, Setup
+
+SLACK = 0.03
+"""Of the film's ratio, by which a margin may fall short: that contacts roll on round tips is not counted."""
+_MARGIN = values("one_point_sticking", "friction_margin")
+
+
+def may_stick(angles: Sequence[float], offset: float, depth: float, setup: Setup) -> bool:
+    """Whether a contact sticks with the least friction and wherever the centre of drag is.
+
+    Parameters
+    ----------
+    angles
+        Of the edge, rad.
+    offset
+        Of the contact along the edge (d2), m.
+    depth
+        Distance of the edge from the centre (d1), m.
+    setup
+        The task.
+
+    Returns
+    -------
+    bool
+        No proof; see the module's text.
+    """
+    u = setup.uncertainty
+    sides = ([side.lo, side.hi] for side in (u.drag_centre, u.drag_centre, u.film_ratio))
+    theta, along, out, rho = np.ix_(angles, *sides)
+    margins = _MARGIN(theta=theta, d1=depth - out, d2=offset - along, rho=rho, mu=u.friction.lo)
+    return bool(np.min(margins) > -SLACK * u.film_ratio.mid)
 
 
 def sticks(start: float, end: float, offset: float, depth: float, setup: Setup) -> bool:

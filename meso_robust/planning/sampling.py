@@ -30,6 +30,7 @@ def levels(low: float, high: float, smallest: float) -> Iterator[list[float]]:
 
 
 REFINED = 2  # levels that are searched beyond the first robust one
+MANY = 8  # samples of a level from which it is worth to sift all of them at once
 
 
 def best_robust(
@@ -38,6 +39,7 @@ def best_robust(
     smallest: float,
     attempt: Callable[[float], tuple[float, T] | None],
     refined: int = REFINED,
+    sift: Callable[[list[float]], list[float]] | None = None,
 ) -> T | None:
     """The best robust sample of the first level that has one and of its neighbours after that.
 
@@ -53,6 +55,8 @@ def best_robust(
         was found.
     refined
         How many further levels are looked at, and only on either side of the best sample so far.
+    sift
+        Leaves of many samples those that may be robust, in less time than to attempt them.
     """
     best: tuple[float, float, T] | None = None
     for samples in levels(low, high, smallest):
@@ -61,6 +65,9 @@ def best_robust(
             if refined < 0:
                 break
             samples = _nearest(samples, best[1])
+        if sift is not None and len(samples) >= MANY:
+            spend()
+            samples = sift(samples)
         for sample in samples:
             spend()
             result = attempt(sample)

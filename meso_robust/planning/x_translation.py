@@ -7,6 +7,8 @@ from dataclasses import replace
 from functools import lru_cache, partial
 from typing import TypeVar
 
+import numpy as np
+
 from meso_robust import units
 from meso_robust.bounds import Verdict
 from meso_robust.planning import nominal
@@ -16,7 +18,7 @@ from meso_robust.primitives.move import Aim, MoveRule, Point, from_part, in_worl
 from meso_robust.primitives.names import ObligationId
 from meso_robust.primitives.obligation import Leaves, Step
 from meso_robust.primitives.setup import PoseBox, Setup
-from meso_robust.primitives.straighten import certify_straighten
+from meso_robust.primitives.straighten import certify_straighten, refuted
 
 T = TypeVar("T")
 
@@ -44,11 +46,13 @@ def to_goal(
     end = in_world(units.to_um(setup.goal.x.mid + depth) - past_um)
     number = 3 if past_um else 4
 
-    def attempt(middle: float, slipping: bool) -> tuple[float, Step] | None:
-        rule = rule_at(middle, pre, setup, end, step=number, primitive="x_translation")
+    def rule_of(middle: float) -> MoveRule:
+        return rule_at(middle, pre, setup, end, step=number, primitive="x_translation")
+
+    def attempt(rule: MoveRule, slipping: bool) -> tuple[float, Step] | None:
         return _worth(certify_straighten(rule, pre, setup, before, whole=False, slipping=slipping))
 
-    return _sample(pre, setup, attempt, slipping=slipping)
+    return _sample(pre, setup, rule_of, attempt, slipping=slipping)
 
 
 def upright(
@@ -82,8 +86,10 @@ def upright(
         The move, certified; None if none is found.
     """
 
-    def attempt(middle: float, slipping: bool) -> tuple[float, MoveRule] | None:
-        far = rule_at(middle, pre, setup, from_part(FAR_UM), step=step, primitive=primitive)
+    def rule_of(middle: float) -> MoveRule:
+        return rule_at(middle, pre, setup, from_part(FAR_UM), step=step, primitive=primitive)
+
+    def attempt(far: MoveRule, slipping: bool) -> tuple[float, MoveRule] | None:
         found = _worth(certify_straighten(far, pre, setup, before, whole=False, slipping=slipping))
         if found is None:
             return None
@@ -91,14 +97,15 @@ def upright(
         end = from_part(FAR_UM + units.to_um(left) - SPARE_UM)
         return left, replace(trial.rule, dual_end=end)
 
-    rule = _sample(pre, setup, attempt, refined, slipping=slipping)
+    rule = _sample(pre, setup, rule_of, attempt, refined, slipping=slipping)
     return None if rule is None else certify_straighten(rule, pre, setup, before, whole=False)
 
 
 def _sample(
     pre: PoseBox,
     setup: Setup,
-    attempt: Callable[[float, bool], tuple[float, T] | None],
+    rule_of: Callable[[float], MoveRule],
+    attempt: Callable[[MoveRule, bool], tuple[float, T] | None],
     refined: int = REFINED,
     *,
     slipping: bool,
@@ -110,12 +117,19 @@ def _sample(
 
     def if_nominal(slips: bool, middle: float) -> tuple[float, T] | None:
         nominally = nominal.straightens(middle, pre, setup, slipping=slips)
-        return attempt(middle, slips) if nominally else None
+        return attempt(rule_of(middle), slips) if nominally else None
+
+    def may_stick(middles: list[float]) -> list[float]:
+        of = [one for one in middles if nominal.straightens(one, pre, setup)]
+        gone = refuted(rule_of(0.0), pre, setup, np.array(of)) if of else ()
+        return [one for one, bad in zip(of, gone, strict=True) if not bad]
 
     coarse = max(smallest, COARSE * (high - low))
     tried = (
-        best_robust(low, high, finest, partial(if_nominal, slips), refined)
-        for slips, finest in ((False, smallest), (True, coarse))[: 1 + slipping]
+        best_robust(low, high, finest, partial(if_nominal, slips), refined, sift)
+        for slips, finest, sift in ((False, smallest, may_stick), (True, coarse, None))[
+            : 1 + slipping
+        ]
     )
     return next((found for found in tried if found is not None), None)
 

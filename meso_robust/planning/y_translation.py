@@ -73,7 +73,9 @@ def _tilt(
         if not math.cos(LARGEST_TILT) < cosine < 1.0:
             return None
         tilt, start = math.acos(cosine), edge.angle(pre.theta).mid
-        if not nominal.sticks(start, start + side * tilt, side * offset, edge.depth.mid, setup):
+        if not nominal.may_stick(
+            (start, start + side * tilt), side * offset, edge.depth.mid, setup
+        ):
             return None
         rule = _tilt_rule(offset, tilt, side, pre, setup, step)
         tilted = certify_tilt(rule, pre, setup, whole=False)

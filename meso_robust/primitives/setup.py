@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import functools
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, fields, replace
 from fractions import Fraction
 
@@ -308,7 +308,13 @@ def _edge(outline: Outline, tolerance: Tolerance, theta: float) -> Edge:
     return tolerance.edge(edge)
 
 
-def setup_of(task: Task, scale: float = 1.0, only: str | None = None) -> Setup:
+def setup_of(
+    task: Task,
+    scale: float = 1.0,
+    only: str | None = None,
+    *,
+    apart: Mapping[str, float] | None = None,
+) -> Setup:
     """Convert a task to SI intervals.
 
     Parameters
@@ -319,6 +325,8 @@ def setup_of(task: Task, scale: float = 1.0, only: str | None = None) -> Setup:
         Factor by which uncertainties are widened about their middle.
     only
         The one that is widened; None: all of them.
+    apart
+        Factors of single ones, in place of that.
 
     Returns
     -------
@@ -330,7 +338,10 @@ def setup_of(task: Task, scale: float = 1.0, only: str | None = None) -> Setup:
     InputError
         A tolerance of the goal is so small that rounding leaves nothing of it.
     """
-    bounds = _uncertainty(task).scaled(scale, only)
+    stated = _uncertainty(task)
+    bounds = stated.scaled(scale, only)
+    for name, factor in (apart or {}).items():
+        bounds = replace(bounds, **{name: getattr(stated.scaled(factor, name), name)})
     start, goal = task.start, task.goal
     at_most = units.metres(goal.position_tolerance_um)
     turn = units.radians(goal.orientation_tolerance_deg)

@@ -14,8 +14,10 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
+import numpy as np
+
 from meso_robust.bounds import Interval, Proof, Verdict, enclose, prove_positive
-from meso_robust.bounds.implicit import Ends, bound
+from meso_robust.bounds.implicit import Ends, Implicit, Signs, bound, refuted_along
 from meso_robust.bounds.prove import fails_somewhere
 from meso_robust.motion import one_tip
 from meso_robust.primitives import tips
@@ -43,6 +45,7 @@ from meso_robust.primitives.outline import Edge
 from meso_robust.primitives.setup import PoseBox, Setup
 from meso_robust.primitives.tilt import Turn
 from meso_robust.primitives.tube import turn_tube
+from meso_robust.types import Floats
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -283,7 +286,7 @@ def _case(
         box,
         aligned.mid,
         both=one_tip.POSE,
-        lower=[name for name in of.outputs if name not in (*one_tip.POSE, *left_out, *_EITHER)],
+        lower=_needed(of, left_out),
         spare=_EITHER,
         proofs_only=not whole,
     )
@@ -301,6 +304,39 @@ def _case(
         )
         proofs.insert(after + 1, slip.bounded)
     return _Case(box=box, ends=ends, obligations=tuple(proofs))
+
+
+def _needed(of: Implicit, left_out: Sequence[str]) -> list[str]:
+    """Outputs that must be positive; of ``_EITHER`` not all must."""
+    return [name for name in of.outputs if name not in (*one_tip.POSE, *left_out, *_EITHER)]
+
+
+def refuted(rule: MoveRule, pre: PoseBox, setup: Setup, across: Floats) -> Signs:
+    """Whether t^2 motions whose tips stick are bound not to be proved, for pairs that start elsewhere.
+
+    Parameters
+    ----------
+    rule, pre, setup
+        As of `certify_straighten`.
+    across
+        (N,) how much farther to y each pair starts, m.
+
+    Returns
+    -------
+    Signs
+        (N,) In plain numbers, for searches: many at once take a small part of the time.
+    """
+    edge = setup.edge(pre.theta.mid)
+    box, aligned = base_box(rule, pre, setup, edge), tips.aligned(setup)
+    found = np.zeros(len(across), dtype=bool)
+    zero = one_tip.zeros(box)
+    if "probe_y" in zero:
+        return found
+    for side, theta in _first_contacts(pre.theta, edge.orientation(aligned) - box["kappa"]):
+        of, there = one_tip.straighten(side, zero), {**box, "theta": theta}
+        lower = _needed(of, (*_BACK["first"], *_SLIPS))
+        found |= refuted_along(of, there, aligned.mid, lower, "probe_y", across)
+    return found
 
 
 _STICKS, _BACK = (

@@ -47,6 +47,7 @@ def report(result: Planned, promise: Promise | None = None) -> str:
         answer(result, promise),
         result.certificate.simulation,
     )
+    within = "" if result.search_s is None else f" --search-s {result.search_s:g}"
     pictures = {
         "moves": [_move(result, index) for index in range(len(result.found.rules))],
         "overview": _overview(result),
@@ -117,7 +118,7 @@ def report(result: Planned, promise: Promise | None = None) -> str:
                 pages.section(body, "derivations", "Derivations"),
             ),
             made=pages.made(
-                f"meso-robust plan TASK.toml --samples {ran.samples} --seed {ran.seed}",
+                f"meso-robust plan TASK.toml --samples {ran.samples} --seed {ran.seed}{within}",
                 ("task hash (SHA-256)", pages.code(certificate.task_hash)),
                 after=" with the task file of this hash",
                 using=certificate.made_with,

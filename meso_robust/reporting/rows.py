@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
-from fractions import Fraction
 from typing import Literal, NamedTuple
 
 from markupsafe import Markup
@@ -12,6 +10,7 @@ from markupsafe import Markup
 from meso_robust.certificates.margin import LARGEST
 from meso_robust.pipeline import Planned
 from meso_robust.planning.document import RuleDocument
+from meso_robust.planning.stated import errors_of, ranges_of, unit_of, widened
 from meso_robust.reporting import pages
 from meso_robust.reporting.canvas import COLUMN, Coordinate, ends, poses_shown
 from meso_robust.reporting.reading import Standing, standings
@@ -26,8 +25,7 @@ from meso_robust.reporting.words import (
     significant,
     small,
 )
-from meso_robust.task import Task
-from meso_robust.wording import down, down_to, up
+from meso_robust.wording import down
 
 Three = tuple[str, str, str]
 
@@ -67,7 +65,7 @@ def margin_rows(result: Planned) -> MarginRows:
         MarginRow(
             name.replace("_", " "),
             stated.get(name, ""),
-            _budget(result, name, value),
+            widened(result.task, name, value),
             factor(value),
             100 * value / full,
             name == margin.binds_first,
@@ -81,73 +79,11 @@ def _stated(result: Planned) -> dict[str, str]:
     """The task's own ranges, in the words of its file."""
     u = result.task.uncertainty
     found = {
-        name: " … ".join(significant(end) for end in ends) + _unit(name)
-        for name, (_, ends) in _ranges(result.task).items()
+        name: " … ".join(significant(end) for end in ends) + unit_of(name)
+        for name, (_, ends) in ranges_of(result.task).items()
     }
-    found |= {name: f"± {value:g}{_unit(name)}" for name, value in _errors(result.task).items()}
+    found |= {name: f"± {value:g}{unit_of(name)}" for name, value in errors_of(result.task).items()}
     return found | {"film_ratio": f"{u.film_ratio_um2:g} µm² ± {u.film_ratio_percent:g} %"}
-
-
-def _budget(result: Planned, name: str, times: float) -> str:
-    """The range of one uncertainty widened about its middle, in the words of the task's file."""
-    ranges = _ranges(result.task)
-    if name in ranges:
-        least, ends = ranges[name]
-        low, high = map(_spelled, ends)
-        middle, half = (low + high) / 2, (high - low) / 2 * Fraction(times)
-        shown = max(float(up(middle - half, 3)), least), float(down(middle + half, 3))
-        return f"{shown[0]:g} … {shown[1]:g}{_unit(name)}"
-    stated = _errors(result.task)[name]
-    return f"± {down_to(float(down(_spelled(stated) * Fraction(times), 3)), 15)}{_unit(name)}"
-
-
-_UNITS = {
-    **dict.fromkeys(
-        ("sensed_orientation", "misalignment", "squareness", "travel_direction"), " deg"
-    ),
-    **dict.fromkeys(("film_ratio", "travel_scale", "drag_anisotropy"), " %"),
-    "friction": "",
-}
-
-
-def _unit(name: str) -> str:
-    return _UNITS.get(name, " µm")
-
-
-def _ranges(task: Task) -> dict[str, tuple[float, tuple[float, float]]]:
-    """Uncertainties that the file states as a range, with the least value that it can have."""
-    u, probe, exact = task.uncertainty, task.probe, (0.0, 0.0)
-    radius = probe.tip_radius_um or exact
-    return {
-        "friction": (-math.inf, u.friction),
-        "misalignment": (-math.inf, u.tip_misalignment_deg),
-        "tip_radius": (0.0, radius),
-        "passive_tip_radius": (0.0, probe.passive_tip_radius_um or radius),
-        "travel_direction": (-math.inf, u.travel_direction_deg or exact),
-    }
-
-
-def _errors(task: Task) -> dict[str, float]:
-    """Uncertainties that the file states by the largest error."""
-    u, part = task.uncertainty, task.part
-    return {
-        "sensed_position": u.sensed_position_um,
-        "sensed_orientation": u.sensed_orientation_deg,
-        "probe_position": u.probe_position_um,
-        "film_ratio": u.film_ratio_percent,
-        "tip_spacing": task.probe.tip_spacing_tolerance_um or 0.0,
-        "size": part.size_tolerance_um or 0.0,
-        "squareness": part.squareness_deg or 0.0,
-        "travel_scale": u.travel_scale_percent or 0.0,
-        "drag_centre": u.drag_centre_um or 0.0,
-        "drag_anisotropy": u.drag_anisotropy_percent or 0.0,
-        "probe_wander": u.probe_wander_um or 0.0,
-    }
-
-
-def _spelled(value: float) -> Fraction:
-    """The decimal that a number of the task stands for."""
-    return Fraction(repr(float(value)))
 
 
 @dataclass(frozen=True, slots=True)

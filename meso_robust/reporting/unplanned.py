@@ -12,7 +12,7 @@ from meso_robust.task import Task
 from meso_robust.wording import worded
 
 
-def unplanned_report(task: Task, why: str, verb: str) -> str:
+def unplanned_report(task: Task, why: str, verb: str, options: str = "") -> str:
     """One self-contained HTML page.
 
     Parameters
@@ -23,6 +23,8 @@ def unplanned_report(task: Task, why: str, verb: str) -> str:
         The reason, and after its first semicolon, else its last colon, what to do.
     verb
         Of the command line.
+    options
+        Of that line, after the task.
 
     Returns
     -------
@@ -69,7 +71,7 @@ def unplanned_report(task: Task, why: str, verb: str) -> str:
                 ),
             ),
             made=pages.made(
-                f"meso-robust {verb} TASK.toml",
+                f"meso-robust {verb} TASK.toml{options}",
                 ("task hash (SHA-256)", pages.code(task.hash)),
                 after=" with the task file of this hash",
                 using=made_with(("numpy", "pydantic")),

@@ -24,6 +24,7 @@ def test_the_report_of_an_early_unknown_has_reason_and_advice(verb: str, tmp_pat
             "the goal is 180.0 deg from the start",
             "make it two tasks of a quarter turn",
         )
+        words += ["--search-s", "77"]
     else:
         task.write_text(text, encoding="utf-8")
         open_loop(plan)
@@ -43,6 +44,7 @@ def test_the_report_of_an_early_unknown_has_reason_and_advice(verb: str, tmp_pat
     assert reason in page
     assert f"what would settle it:</strong> {advice}" in page
     assert "paper, section ix-e" in page
+    assert ("plan task.toml --search-s 77" in page) == (verb == "plan")
 
 
 def test_an_early_unknown_says_that_the_ratio_of_drags_is_no_even_films(tmp_path: Path) -> None:

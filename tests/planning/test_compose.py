@@ -9,7 +9,8 @@ import pytest
 from meso_robust.bounds import Verdict
 from meso_robust.certificates.chain import certify
 from meso_robust.errors import NotApplicableError
-from meso_robust.planning.compose import compose
+from meso_robust.planning import compose as composing
+from meso_robust.planning.compose import compose, robust_at
 from meso_robust.planning.remedy import Remedy
 from meso_robust.primitives.frame import WORLD
 from meso_robust.primitives.move import Aim, Point
@@ -85,6 +86,22 @@ def test_poses_that_no_primitive_handles(theta: float, words: str) -> None:
         compose(paper_task(start__theta_deg=theta))
 
 
+def test_what_a_plan_bears_least_is_suspected_first_and_how_far_it_holds_is_told() -> None:
+    task = paper_task(uncertainty__friction=[0.1, 0.56])
+    rules = robust_at(task, composing.REDUCED[-1])
+    assert rules is not None
+
+    suspected = composing._suspected(task, rules, list(setup_of(task).uncertainty.stated))
+    assert suspected[0] == "friction"
+    most = composing._borne(task, rules, composing.REDUCED[-1], None)
+    proved = [
+        certify(rules, setup_of(task, scale)).verdict is Verdict.PROVED
+        for scale in (most, most + 0.01 * composing.FINELY)
+    ]
+    assert proved == [True, False]
+    assert most > composing.REDUCED[-1]
+
+
 @at_night
 def test_what_would_settle_it_names_the_uncertainty_in_the_way() -> None:
     found = compose(paper_task(uncertainty__friction=[0.22, 0.46], probe__headings=["-x"]))
@@ -92,7 +109,7 @@ def test_what_would_settle_it_names_the_uncertainty_in_the_way() -> None:
     assert found.scale < 1.0
     assert found.only == "friction"
     assert found.settled_by == about(
-        Remedy.NARROW_ONE, uncertainty="friction", scale=str(found.scale)
+        Remedy.NARROW_ONE, uncertainty="friction", scale=str(found.scale), range=found.range
     )
 
 

@@ -39,3 +39,20 @@ def test_best_sample_of_the_first_robust_level_and_its_neighbours() -> None:
 
 def test_nothing_robust_is_none_and_ends() -> None:
     assert best_robust(0.0, 1.0, 0.1, lambda x: None) is None
+
+
+def test_many_samples_of_a_level_are_sifted_at_once_and_few_are_not() -> None:
+    tried: list[float] = []
+    sifted: list[int] = []
+
+    def attempt(x: float) -> tuple[float, float] | None:
+        tried.append(x)
+        return (x, x) if 0.69 < x < 0.7 else None
+
+    def sift(samples: list[float]) -> list[float]:
+        sifted.append(len(samples))
+        return [x for x in samples if 0.6 < x < 0.8]
+
+    assert best_robust(0.0, 1.0, 1e-3, attempt, sift=sift) == best_robust(0.0, 1.0, 1e-3, attempt)
+    assert sifted[:3] == [8, 16, 32]
+    assert [x for x in tried[:20] if not 0.6 < x < 0.8] == [0.5, 0.25, 0.125, 0.375, 0.875]
