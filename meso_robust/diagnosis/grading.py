@@ -18,7 +18,7 @@ import numpy as np
 from scipy.stats import norm, t as student
 
 from meso_robust.diagnosis.baseline import Baseline
-from meso_robust.diagnosis.candidates import Candidate, Naming
+from meso_robust.diagnosis.candidates import SCORE_SHARE, Candidate, Naming
 from meso_robust.diagnosis.document import Channel, Verdict
 from meso_robust.diagnosis.folds import Bench, RollOut, intervals_by_fold, rolled_out
 from meso_robust.diagnosis.localisation import Located
@@ -162,8 +162,8 @@ class Grade:
     unsure
         Effects of the set whose size the recordings do not agree on: what else would be named is partial.
     beside
-        Effects that were found in what the others leave and explain little of the whole: likewise, as the form of a law
-        that is not quite theirs leaves something that an effect may look like.
+        Effects that explain little of the whole beside the others, or were found in what these leave: likewise, as the
+        form of a law that is not quite the true one leaves something that an effect may look like.
     """
 
     verdict: Verdict
@@ -282,7 +282,9 @@ def graded(
             break
     beside: Names = ()
     if naming is not None and chosen is not None and not rivals:
-        chosen, beside, judge = _with_more(judge, naming, chosen, reach, matters)
+        beside = _slight(judge, chosen)
+        chosen, more, judge = _with_more(judge, naming, chosen, reach, matters)
+        beside += more
     explained = _explained(judge, chosen.effects, seed) if chosen else None
     effects = chosen.effects if chosen else ()
     by_effect, tables = _shapley(judge, chosen, _phases(recordings, bench))
@@ -412,6 +414,17 @@ def _predicted(
         except (ValueError, np.linalg.LinAlgError):
             continue  # its search leaves what can be simulated: no answer, and no fault
     return tuple(one for one in pool if one.effects in predicted)
+
+
+def _slight(judge: _Judge, whole: Candidate) -> Names:
+    """Members that explain little of the whole error beside the others of a set."""
+    found = []
+    for member in whole.effects if len(whole.effects) > 1 else ():
+        rest = tuple(name for name in whole.effects if name != member)
+        judge.with_part(whole, rest)
+        if judge.share(whole.effects) - judge.share(rest) < _MEMBER_SHARE:
+            found.append(member)
+    return tuple(found)
 
 
 def _with_more(
@@ -614,7 +627,8 @@ def _behind(judge: _Judge, chosen: Candidate, rival: Candidate, seed: int) -> bo
     """
     worse = 0.5 * float(np.sum(judge.sums(rival.effects) - judge.sums(chosen.effects)))
     left = float(judge.sums(chosen.effects).sum() / judge.floor.sum())
-    if rival.score > chosen.score or worse <= _EQUAL_NATS * max(left, 1.0):
+    likelier = rival.score - chosen.score > SCORE_SHARE * chosen.score
+    if likelier or worse <= _EQUAL_NATS * max(left, 1.0):
         return False
     return _surely_worse(judge, chosen, rival, seed)
 

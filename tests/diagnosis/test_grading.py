@@ -26,6 +26,7 @@ from meso_robust.diagnosis.grading import (
     _holds,
     _Judge,
     _pools,
+    _slight,
     _verdict,
     _with_more,
     graded,
@@ -337,7 +338,8 @@ def test_what_two_held_out_recordings_spoke_against_is_asked_in_every_fold() -> 
 def test_of_two_laws_that_are_alike_where_they_were_fitted_other_recordings_tell() -> None:
     worse = [one + 20.0 for one in NOISE]
     judge = stood({(): PLAIN, ("a",): NOISE, ("b",): worse})
-    a, less, more = stated("a", gain=1000.0), stated("b", gain=998.0), stated("b", gain=1002.0)
+    a, less, more = stated("a", gain=1000.0), stated("b", gain=1003.0), stated("b", gain=1007.0)
+    # by what a simulator of finite steps does not know
     assert not _equal(judge, a, less, 0)
     # no witness against a law that is the likelier one
     assert _equal(judge, a, more, 0)
@@ -364,6 +366,19 @@ def test_of_sets_that_explain_alike_what_all_of_them_hold_explains_a_part() -> N
     a = stated("a", gain=800.0)
     naming = contest(one, other, a)
     assert _answer(judge, naming, (one, other), 0) == (a, (), False)
+
+
+def test_a_member_that_explains_little_beside_the_others_is_told_apart() -> None:
+    """What the form of a law leaves is a hundredth, which one of so many effects always takes up."""
+    most, some = [2.0 * one for one in NOISE], [20.0 * one for one in NOISE]
+    both = stated("a", "b", gain=1000.0)
+    judge = stood({(): PLAIN, ("a",): most, ("b",): PLAIN, ("a", "b"): NOISE})
+    assert _slight(judge, both) == ()
+    nearly = [one + 20.0 for one in NOISE]
+    assert _slight(stood({(): PLAIN, ("a",): nearly, ("b",): some, ("a", "b"): NOISE}), both) == (
+        "b",
+    )
+    assert _slight(judge, stated("a", gain=1000.0)) == ()
 
 
 def extended(late: Diagnosis, monkeypatch: pytest.MonkeyPatch, **given: Any) -> tuple[str, ...]:
