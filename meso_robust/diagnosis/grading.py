@@ -620,15 +620,18 @@ def _equal(judge: _Judge, chosen: Candidate, rival: Candidate, seed: int) -> boo
 
 
 def _behind(judge: _Judge, chosen: Candidate, rival: Candidate, seed: int) -> bool:
-    """Whether another set is less likely where both were fitted, and surely predicts worse where neither was.
+    """Whether another set is no likelier where both were fitted, and surely leaves much more where neither was.
 
     Of two laws that are alike where a fit may bend them, other recordings tell; but they are no witness against a law
-    that was the likelier one, as one recording may be far off for a number that no other tells.
+    that was the likelier one, as one recording may be far off for a number that no other tells. For the same reason
+    the chosen one must leave next to nothing beside what the other leaves.
     """
-    worse = 0.5 * float(np.sum(judge.sums(rival.effects) - judge.sums(chosen.effects)))
-    left = float(judge.sums(chosen.effects).sum() / judge.floor.sum())
-    likelier = rival.score - chosen.score > SCORE_SHARE * chosen.score
-    if likelier or worse <= _EQUAL_NATS * max(left, 1.0):
+    if rival.score - chosen.score > SCORE_SHARE * chosen.score:
+        return False
+    own, other = (judge.sums(one.effects) for one in (chosen, rival))
+    left, more = (max(float(np.sum(of - judge.floor)), 0.0) for of in (own, other))
+    excess = max(float(own.sum() / judge.floor.sum()), 1.0)
+    if 0.5 * (more - left) <= _EQUAL_NATS * excess or left > (1.0 - _NEARLY_ALL) * more:
         return False
     return _surely_worse(judge, chosen, rival, seed)
 

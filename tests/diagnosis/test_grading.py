@@ -345,6 +345,9 @@ def test_of_two_laws_that_are_alike_where_they_were_fitted_other_recordings_tell
     assert _equal(judge, a, more, 0)
     assert _answer(judge, contest(a, less, answers=(a, less)), (a, less), 0) == (a, (), True)
     assert _answer(judge, contest(a, more, answers=(a, more)), (a, more), 0) == (a, (more,), True)
+    # nor is what leaves something itself
+    half = [one + 10.0 for one in NOISE]
+    assert _equal(stood({(): PLAIN, ("a",): half, ("b",): worse}), a, less, 0)
     # nor is one recording
     once = [*NOISE[:2], NOISE[2] + 200.0, *(one - 2.0 for one in NOISE[3:])]
     assert _equal(stood({(): PLAIN, ("a",): NOISE, ("b",): once}), a, less, 0)
@@ -360,7 +363,7 @@ def test_what_does_not_carry_over_is_no_rival() -> None:
 def test_of_sets_that_explain_alike_what_all_of_them_hold_explains_a_part() -> None:
     """Most of the motion is that of "a", and either of two effects does for what is left."""
     most = [100.0, 95.0, 900.0, 104.0, 98.0, 103.0, 600.0, 97.0]
-    both = {("a", "b"): NOISE, ("a", "c"): NOISE}
+    both: dict[tuple[str, ...], list[float]] = {("a", "b"): NOISE, ("a", "c"): NOISE}
     judge = stood({(): PLAIN, ("a",): most, ("b",): PLAIN, ("c",): PLAIN, **both})
     one, other = stated("a", "b", gain=1000.0), stated("a", "c", gain=999.0)
     a = stated("a", gain=800.0)
