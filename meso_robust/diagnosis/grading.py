@@ -50,6 +50,7 @@ _DOWN_TO = 1.2  # mean square over that of noise and starts, up to which a set i
 _EQUAL_SHARE = 0.9  # of the best set's share, from which on a rival may explain as much
 _EQUAL_NATS = 5.0  # tempered, up to which recordings do not tell two sets apart
 _TEMPERED = 1.5  # squared error over the floor, from which on a likelihood is overconfident
+_MOST_OF_ALL = 0.5  # of the explainable error, that one effect explains which fails to carry over
 _MOSTLY = 0.5  # of what is left, from which on a sway is where it is
 _RESAMPLED = 2000
 _INTERVAL = 0.9
@@ -217,6 +218,11 @@ class _Judge:
         loss = own - plain
         least = max(_CHANCE * float(np.sqrt(2.0 * count)), _MEMBER_SHARE * float(plain.sum()))
         return max(float(loss[0] + loss[1]), float(loss[2])) <= least
+
+    def lessens(self, names: Names) -> bool:
+        """Whether a set leaves less of those recordings than the plain model, place and turn together."""
+        rows = self.bench.held_out
+        return bool(np.sum(self.sums(names)[rows]) < np.sum(self.sums(())[rows]))
 
     def with_part(self, whole: Candidate, names: Names) -> None:
         """Predict a part of a set, whose fits begin where the whole ended."""
@@ -567,6 +573,11 @@ def _holding(
         earned = _earning(judge, naming, one, _MEMBER_SHARE, fold_share=np.inf)
         if earned is not None and _tells(_explained(judge, earned.effects, seed)):
             return earned, False
+    for one in near:
+        # one effect that explains most of the whole tells much, though of a push or two it gets the turn wrong
+        most = len(one.effects) == 1 and judge.share(one.effects) >= _MOST_OF_ALL
+        if most and judge.lessens(one.effects) and _tells(_explained(judge, one.effects, seed)):
+            return one, False
     return first, True
 
 

@@ -243,6 +243,7 @@ def stood(
         share=lambda names: (sum(sums[()]) - sum(sums[names])) / (sum(sums[()]) - 8 * floor),
         with_part=lambda whole, names: None,
         carries=lambda names: names not in lost,
+        lessens=lambda names: sum(sums[names][:3]) < sum(sums[()][:3]),
         bench=SimpleNamespace(fold=np.arange(8), count=8),
     )
     return cast(_Judge, made)
@@ -279,12 +280,27 @@ def test_of_the_likeliest_the_first_that_holds_out_of_fold_is_taken() -> None:
 
 
 def test_what_predicts_held_out_recordings_worse_explains_nothing() -> None:
-    mostly = [100.0, 95.0, 3000.0, 900.0, 98.0, 103.0, 200.0, 97.0]
-    judge = stood({(): PLAIN, ("a",): mostly, ("b",): NOISE}, lost=(("a",), ("b",)))
+    mostly = [100.0, 95.0, 9500.0, 900.0, 98.0, 103.0, 200.0, 97.0]
+    some = [100.0, 95.0, 9500.0, 104.0, 98.0, 103.0, 99.0, 97.0]
+    judge = stood({(): PLAIN, ("a",): mostly, ("b",): some}, lost=(("a",), ("b",)))
     a, b = stated("a", gain=1000.0), stated("b", gain=950.0)
     assert _holding(judge, contest(a), (a,), 0) == (None, True)
     assert _holding(judge, contest(b), (b,), 0) == (None, True)
     assert _answer(judge, contest(b, answers=(b,)), (b,), 0) == (None, (), True)
+
+
+def test_one_effect_that_explains_most_of_the_whole_is_told_though_a_turn_is_worse() -> None:
+    """Of the three recordings that are held out it leaves less, place and turn together."""
+    most = [100.0, 95.0, 3000.0, 900.0, 98.0, 103.0, 200.0, 97.0]
+    less = [100.0, 95.0, 5000.0, 900.0, 98.0, 103.0, 4000.0, 97.0]
+    more = [100.0, 95.0, 9500.0, 104.0, 98.0, 103.0, 99.0, 97.0]
+    a = stated("a", gain=1000.0)
+    for sums, told in ((most, a), (less, None), (more, None)):
+        judge = stood({(): PLAIN, ("a",): sums}, lost=(("a",),))
+        assert _holding(judge, contest(a), (a,), 0) == (told, told is None)
+    both = stated("a", "b", gain=1000.0)
+    judge = stood({(): PLAIN, ("a",): less, ("b",): less, ("a", "b"): most}, lost=(("a", "b"),))
+    assert _holding(judge, contest(both), (both,), 0) == (None, True)
 
 
 @pytest.mark.parametrize(
