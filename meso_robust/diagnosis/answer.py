@@ -15,7 +15,7 @@ from meso_robust.diagnosis.detect import ALARM
 from meso_robust.diagnosis.diagnose import Diagnosis, diagnose
 from meso_robust.diagnosis.document import SCHEMA, DiagnosisDocument
 from meso_robust.diagnosis.folds import RollOut
-from meso_robust.diagnosis.grading import NAMED, SURE, Explained
+from meso_robust.diagnosis.grading import NAMED, SURE, Explained, Grade
 from meso_robust.diagnosis.next_push import next_experiment
 from meso_robust.diagnosis.refit import Refit
 from meso_robust.diagnosis.rejection import Rejection
@@ -210,13 +210,15 @@ def _why(found: Diagnosis) -> str:
         return said + (", and leaves nothing that the detector sees" if adequate else reach)
     if found.verdict == "unknown":
         return f"{said}: too little for a name{reach}"
-    return f"{said}: {_lacking(grade.explained, grade.unsure)}{reach}"
+    return f"{said}: {_lacking(grade, grade.explained)}{reach}"
 
 
-def _lacking(explained: Explained, unsure: tuple[str, ...]) -> str:
+def _lacking(grade: Grade, explained: Explained) -> str:
     """Why a set that explains a part is not named."""
-    if unsure:
-        return f"but the recordings do not agree on how large {' and '.join(unsure)} is"
+    if grade.unsure:
+        return f"but the recordings do not agree on how large {' and '.join(grade.unsure)} is"
+    if grade.beside:
+        return f"but {' and '.join(grade.beside)} may be what another form of the rest leaves"
     if explained.share < NAMED:
         return "not all of it"
     if explained.low < SURE:

@@ -17,8 +17,8 @@ _UNCLAIMED_SHARE = 0.05
 # by which an image must be likelier turned or scaled about the very origin of the stage than about a place: nobody has
 # put it there, and what a tracker is off by throughout moves it
 _PLACE_NATS = 3.0
-# of what the best set explains: how well a simulator of finite steps knows scores
-_SCORE_SHARE = 0.005
+SCORE_SHARE = 0.005
+"""Of what a set explains: how well a simulator of finite steps knows scores."""
 _SUPERSET_NATS = 2.0  # by which a larger set must be better than a part of it
 _SAME_MOTION_SIGMA = 4.0  # of all frames together, up to which no recording tells two motions apart
 # behind a set that is not enough, at which an adequate one is so by chance
@@ -120,14 +120,14 @@ def supported(one: Candidate, field: list[Candidate]) -> Candidate:
     if not one.adequate or one.rejected:
         return one
     top = max((o for o in field if not o.duplicate), key=lambda o: o.score)
-    if one.score < top.score - _BY_CHANCE_NATS * max(1.0, _SCORE_SHARE * top.score):
+    if one.score < top.score - _BY_CHANCE_NATS * max(1.0, SCORE_SHARE * top.score):
         ahead = top.score - one.score
         return replace(
             one, rejected=Rejection(ground=Ground.OUTSCORED, names=top.effects, amount=ahead)
         )
     parts = [o.score for o in field if set(o.effects) < set(one.effects)]
     explained = one.score - max(parts, default=0.0)
-    if len(one.effects) > 1 and explained < max(_MEMBER_NATS, _SCORE_SHARE * one.score):
+    if len(one.effects) > 1 and explained < max(_MEMBER_NATS, SCORE_SHARE * one.score):
         return replace(one, rejected=Rejection(ground=Ground.SLIGHT_MEMBER, amount=explained))
     return one
 
@@ -169,7 +169,7 @@ def with_probabilities(field: list[Candidate]) -> list[Candidate]:
     """
     scores = np.array([one.score for one in field])
     top = max(0.0, float(scores.max(initial=0.0)))
-    doubt = max(1.0, _SCORE_SHARE * top)
+    doubt = max(1.0, SCORE_SHARE * top)
     weights = np.exp((scores - top) / doubt)
     total = float(weights.sum() + np.exp(-top / doubt))
     return ranked(

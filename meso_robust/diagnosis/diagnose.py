@@ -15,6 +15,7 @@ from meso_robust import __version__
 from meso_robust.diagnosis.acceptance import Accepted, accepted
 from meso_robust.diagnosis.baseline import Baseline, fitted_baseline
 from meso_robust.diagnosis.candidates import Candidate, Naming
+from meso_robust.diagnosis.common_error import widened
 from meso_robust.diagnosis.controls import Control, Decoys, black_box, control, decoys
 from meso_robust.diagnosis.detect import Detected, detected, spans_of
 from meso_robust.diagnosis.document import Verdict
@@ -48,6 +49,9 @@ from meso_robust.recordings.fingerprint import set_hash
 NULLS = {True: 199, False: 399}
 """Simulated sets without a mismatch of a quick and of a full diagnosis: they bound the p-value from
 below, by 0.005 and 0.0025."""
+
+
+_AMISS = 1.5  # σ, that a recording held out leaves of a model that fits all others
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -197,12 +201,19 @@ def diagnose(
         If the recordings cannot be used.
     """
     sha256 = set_hash(recordings)
-    kept = Store(store, f"{__version__} {sha256} {model} {quick} {seed}")
     noise = noise_of(recordings)
     recordings = with_noise(recordings, noise)
-    parts = split(recordings, seed)
-    baseline = fitted_baseline(parts.training, noise, model, quick=quick, seed=seed, told=told)
-    tests = detected(parts.training, baseline, NULLS[quick], seed, told, kept)
+    fitted: frozenset[str] = frozenset()
+    while True:
+        kept = Store(store, f"{__version__} {sha256} {model} {quick} {seed} {sorted(fitted)}")
+        parts = split(recordings, seed, fitted)
+        baseline = fitted_baseline(parts.training, noise, model, quick=quick, seed=seed, told=told)
+        tests = detected(parts.training, baseline, NULLS[quick], seed, told, kept)
+        plain = worth(baseline, None, parts.held_out)
+        amiss = frozenset() if fitted or tests.detection.detected else _amiss(plain, baseline)
+        if not amiss:
+            break
+        fitted = amiss
     where, naming = None, None
     if tests.detection.detected:
         told("looking where it is", 0, 1)
@@ -220,7 +231,6 @@ def diagnose(
         )
         naming = contest.named()
     told("comparing with recordings that were held out", 0, 1)
-    plain = worth(baseline, None, parts.held_out)
     answer, extended, checks = None, None, Checked()
     if where is not None and naming is not None:
         answer = accepted(naming, where, baseline, plain, parts)
@@ -265,15 +275,28 @@ def diagnose(
     )
 
 
+def _amiss(plain: Worth, baseline: Baseline) -> frozenset[str]:
+    """Recordings held out that the plain model clearly does not predict.
+
+    Where those of the fit show no mismatch, it may be in the two that were held out, as the only ones on an edge:
+    then they are fitted, and others held out.
+    """
+    if plain.held_out is None:
+        return frozenset()
+    files, sigmas = plain.held_out.prepared.files, plain.held_out.sigma
+    most = _AMISS * baseline.noise.floor
+    return frozenset(file for file, sigma in zip(files, sigmas, strict=True) if sigma > most)
+
+
 def _numbers(baseline: Baseline, refit: Refit, rolled: RollOut | None) -> tuple[Interval, ...]:
     """Intervals of the numbers of a set.
 
     Where it leaves more than noise, those of all recordings with starts held where the parts were seen: starts
     that are free take up what is wrong.
     """
-    if rolled is not None and rolled.weighed:
-        return intervals_by_fold(rolled)
-    return intervals_of(baseline, refit)
+    held = rolled is not None and rolled.weighed
+    known = intervals_by_fold(rolled) if rolled and held else intervals_of(baseline, refit)
+    return widened(baseline, refit, known)
 
 
 def _reach(parts: Split, where: Located | None, answer: Accepted | None) -> float | None:

@@ -18,7 +18,7 @@ import numpy as np
 from scipy.stats import norm, t as student
 
 from meso_robust.diagnosis.baseline import Baseline
-from meso_robust.diagnosis.candidates import Candidate, Naming
+from meso_robust.diagnosis.candidates import SCORE_SHARE, Candidate, Naming
 from meso_robust.diagnosis.document import Channel, Verdict
 from meso_robust.diagnosis.folds import Bench, RollOut, intervals_by_fold, rolled_out
 from meso_robust.diagnosis.localisation import Located
@@ -50,6 +50,7 @@ _DOWN_TO = 1.2  # mean square over that of noise and starts, up to which a set i
 _EQUAL_SHARE = 0.9  # of the best set's share, from which on a rival may explain as much
 _EQUAL_NATS = 5.0  # tempered, up to which recordings do not tell two sets apart
 _TEMPERED = 1.5  # squared error over the floor, from which on a likelihood is overconfident
+_MOST_OF_ALL = 0.5  # of the explainable error, that one effect explains which fails to carry over
 _MOSTLY = 0.5  # of what is left, from which on a sway is where it is
 _RESAMPLED = 2000
 _INTERVAL = 0.9
@@ -64,6 +65,7 @@ _COMPONENTS = ("x", "y", "theta")
 _LARGEST = 3  # effects of a set that further ones were added to
 # of what a set leaves, that a further member must take away
 _FURTHER_SHARE = 0.2
+_NEARLY_ALL = 0.8  # likewise, of one whose size need not be as sure
 _ALIKE_SHARE = 0.8  # of what the best further member takes away, from which on another is as good
 
 Names = tuple[str, ...]
@@ -160,6 +162,9 @@ class Grade:
         Mean square that free hidden inputs leave, over the noise.
     unsure
         Effects of the set whose size the recordings do not agree on: what else would be named is partial.
+    beside
+        Effects that explain little of the whole beside the others, or were found in what these leave: likewise, as the
+        form of a law that is not quite the true one leaves something that an effect may look like.
     """
 
     verdict: Verdict
@@ -176,6 +181,7 @@ class Grade:
     relevant: float
     floor: float
     unsure: Names = ()
+    beside: Names = ()
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -212,6 +218,11 @@ class _Judge:
         loss = own - plain
         least = max(_CHANCE * float(np.sqrt(2.0 * count)), _MEMBER_SHARE * float(plain.sum()))
         return max(float(loss[0] + loss[1]), float(loss[2])) <= least
+
+    def lessens(self, names: Names) -> bool:
+        """Whether a set leaves less of those recordings than the plain model, place and turn together."""
+        rows = self.bench.held_out
+        return bool(np.sum(self.sums(names)[rows]) < np.sum(self.sums(())[rows]))
 
     def with_part(self, whole: Candidate, names: Names) -> None:
         """Predict a part of a set, whose fits begin where the whole ended."""
@@ -275,15 +286,18 @@ def graded(
             chosen, rivals, everywhere = _answer(judge, asked, pool, seed)
         if chosen is not None or not missing or bench.count == 1:
             break
+    beside: Names = ()
     if naming is not None and chosen is not None and not rivals:
-        chosen, judge = _with_more(judge, naming, chosen, reach, matters)
+        beside = _slight(judge, chosen)
+        chosen, more, judge = _with_more(judge, naming, chosen, reach, matters)
+        beside += more
     explained = _explained(judge, chosen.effects, seed) if chosen else None
     effects = chosen.effects if chosen else ()
     by_effect, tables = _shapley(judge, chosen, _phases(recordings, bench))
     stage = _unnamed_stage(judge, effects, where)
     cells = _cells(tables, effects, stage) if missing else ()
     return Grade(
-        verdict=_verdict(missing, explained, rivals, everywhere),
+        verdict=_verdict(missing, explained, rivals, everywhere and not beside),
         bench=bench,
         plain=plain,
         extended=predicted[effects] if effects else None,
@@ -296,6 +310,7 @@ def graded(
         size=size,
         relevant=matters,
         floor=float(judge.floor.sum() / bench.seen.sum()),
+        beside=beside,
     )
 
 
@@ -407,12 +422,24 @@ def _predicted(
     return tuple(one for one in pool if one.effects in predicted)
 
 
+def _slight(judge: _Judge, whole: Candidate) -> Names:
+    """Members that explain little of the whole error beside the others of a set."""
+    found = []
+    for member in whole.effects if len(whole.effects) > 1 else ():
+        rest = tuple(name for name in whole.effects if name != member)
+        judge.with_part(whole, rest)
+        if judge.share(whole.effects) - judge.share(rest) < _MEMBER_SHARE:
+            found.append(member)
+    return tuple(found)
+
+
 def _with_more(
     judge: _Judge, naming: Naming, chosen: Candidate, reach: float | None, matters: float
-) -> tuple[Candidate, _Judge]:
+) -> tuple[Candidate, Names, _Judge]:
     """The set with further members, as long as what is left matters and one earns its place in every fold.
 
-    Beside one that is so strong that all else is a twentieth of the error, that may be many times what matters.
+    Beside one that is so strong that all else is a twentieth of the error, that may be many times what matters. One
+    that explains little of the whole is told apart, and is the last.
     """
     bench, predicted = judge.bench, judge.seen
     while _is_left(judge, chosen.effects, matters) and len(chosen.effects) < _LARGEST:
@@ -424,8 +451,11 @@ def _with_more(
         best = min(able, key=lambda one: float(judge.sums(one.effects).sum()))
         if any(_adds_alike(judge, chosen, best, one) for one in offered if one is not best):
             break
+        own = tuple(name for name in best.effects if name not in chosen.effects)
+        if judge.share(best.effects) - judge.share(chosen.effects) < PARTIAL:
+            return best, own, judge
         chosen = best
-    return chosen, judge
+    return chosen, (), judge
 
 
 def _adds(judge: _Judge, part: Candidate, whole: Candidate, matters: float) -> bool:
@@ -435,7 +465,10 @@ def _adds(judge: _Judge, part: Candidate, whole: Candidate, matters: float) -> b
         return False
     (own,) = (one for one in whole.refit.trials if one.effect not in part.effects)
     of = {one.key: one for one in intervals_by_fold(judge.seen[whole.effects])}
-    beyond, sizes = _beyond(judge.bench.count), [of.get(f"{own.effect}.{key}") for key in own.sizes]
+    sizes = [of.get(f"{own.effect}.{key}") for key in own.sizes]
+    left, less = (float(np.sum(judge.sums(one.effects) - judge.floor)) for one in (part, whole))
+    # of so many effects one is beyond nought by chance, but none takes away nearly all by chance
+    beyond = _BEYOND if less <= (1.0 - _NEARLY_ALL) * left else _beyond(judge.bench.count)
     # a size that runs to the end of its range is none
     if not any(one and not _open(one) and _clear(one, beyond) for one in sizes):
         return False
@@ -496,24 +529,24 @@ def _answer(
     """The set that explains the recordings, those that do so equally, and whether it helps every fold."""
     if naming.answers:
         chosen = _earning(judge, naming, pool[0], 0.0)
-        others = [one for one in naming.answers[1:] if not _holds(one, pool[0])]
-        if chosen is not None:
-            asked = pool[len(naming.answers) :]
-            others += [one for one in asked if _equal(judge, chosen, one, seed)]
-        return chosen, tuple(others), True
+        if chosen is None:
+            return None, tuple(one for one in naming.answers[1:] if not _holds(one, pool[0])), True
+        others = [one for one in naming.answers[1:] if not _holds(one, chosen)]
+        rivals = [one for one in others if not _behind(judge, chosen, one, seed)]
+        rivals += [one for one in pool[len(naming.answers) :] if _equal(judge, chosen, one, seed)]
+        return chosen, tuple(rivals), True
     chosen, everywhere = _holding(judge, naming, pool, seed)
     if chosen is None:
         return None, (), True
-    rivals = tuple(one for one in pool if _equal(judge, chosen, one, seed))
-    if rivals and judge.share(chosen.effects) < NAMED:
-        # what all of them share is sure; which of the rest is not, and stays a remainder
-        core = set(chosen.effects).intersection(*(one.effects for one in rivals))
-        common = _listed(naming, tuple(sorted(core)))
-        if common is not None:
-            judge.with_part(chosen, common.effects)
-            if judge.share(common.effects) >= PARTIAL and judge.carries(common.effects):
-                return common, (), everywhere
-    return chosen, rivals, everywhere
+    rivals = [one for one in pool if _equal(judge, chosen, one, seed)]
+    # what all of them share is sure; which of the rest is not, and stays a remainder
+    core = set(chosen.effects).intersection(*(one.effects for one in rivals))
+    common = _listed(naming, tuple(sorted(core))) if rivals else None
+    if common is not None:
+        judge.with_part(chosen, common.effects)
+        if judge.share(common.effects) >= PARTIAL and judge.carries(common.effects):
+            return common, (), False
+    return chosen, tuple(rivals), everywhere
 
 
 def _holding(
@@ -540,6 +573,11 @@ def _holding(
         earned = _earning(judge, naming, one, _MEMBER_SHARE, fold_share=np.inf)
         if earned is not None and _tells(_explained(judge, earned.effects, seed)):
             return earned, False
+    for one in near:
+        # one effect that explains most of the whole tells much, though of a push or two it gets the turn wrong
+        most = len(one.effects) == 1 and judge.share(one.effects) >= _MOST_OF_ALL
+        if most and judge.lessens(one.effects) and _tells(_explained(judge, one.effects, seed)):
+            return one, False
     return first, True
 
 
@@ -574,23 +612,46 @@ def _earning(
 
 def _holds(general: Candidate, special: Candidate) -> bool:
     """Whether a set holds all laws of another one, each by itself or as a special case of its own."""
-    return set(special.effects) <= {SPECIAL_CASE.get(name, name) for name in general.effects}
+    each = {SPECIAL_CASE.get(name, name) for name in general.effects}
+    return set(special.effects) <= each.union(general.effects)
 
 
 def _equal(judge: _Judge, chosen: Candidate, rival: Candidate, seed: int) -> bool:
-    """Whether another set, neither part nor whole of the chosen one, explains as much."""
+    """Whether another set, neither part nor whole of the chosen one, explains as much, and carries over."""
     if _holds(rival, chosen) or set(rival.effects) <= set(chosen.effects):
+        return False
+    if not judge.carries(rival.effects) or _behind(judge, chosen, rival, seed):
         return False
     if judge.share(rival.effects) < _EQUAL_SHARE * judge.share(chosen.effects):
         return False
     excess = float(judge.sums(chosen.effects).sum() / judge.floor.sum())
     if chosen.score - rival.score <= _EQUAL_NATS * max(excess, 1.0):
         return True
-    if excess <= _TEMPERED:
+    return excess > _TEMPERED and not _surely_worse(judge, chosen, rival, seed)
+
+
+def _behind(judge: _Judge, chosen: Candidate, rival: Candidate, seed: int) -> bool:
+    """Whether another set is no likelier where both were fitted, and surely leaves much more where neither was.
+
+    Of two laws that are alike where a fit may bend them, other recordings tell; but they are no witness against a law
+    that was the likelier one, as one recording may be far off for a number that no other tells. For the same reason
+    the chosen one must leave next to nothing beside what the other leaves.
+    """
+    if rival.score - chosen.score > SCORE_SHARE * chosen.score:
         return False
+    own, other = (judge.sums(one.effects) for one in (chosen, rival))
+    left, more = (max(float(np.sum(of - judge.floor)), 0.0) for of in (own, other))
+    excess = max(float(own.sum() / judge.floor.sum()), 1.0)
+    if 0.5 * (more - left) <= _EQUAL_NATS * excess or left > (1.0 - _NEARLY_ALL) * more:
+        return False
+    return _surely_worse(judge, chosen, rival, seed)
+
+
+def _surely_worse(judge: _Judge, chosen: Candidate, rival: Candidate, seed: int) -> bool:
+    """Whether another set predicts worse, of whatever recordings there might have been."""
     behind = judge.sums(rival.effects) - judge.sums(chosen.effects)
     drawn = _resampled(len(behind), seed) @ behind
-    return bool(np.quantile(drawn, 0.5 * (1.0 - _INTERVAL)) <= 0.0)
+    return bool(np.quantile(drawn, 0.5 * (1.0 - _INTERVAL)) > 0.0)
 
 
 def _resampled(count: int, seed: int) -> Floats:

@@ -10,7 +10,7 @@ neighbours that are alike, not white noise of that size, of which a mean over ma
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -47,6 +47,8 @@ class Noise:
         What is left where there is only noise, in σ: repeatability and systematic error together.
     repeatability
         What the scatter from frame to frame leaves, in σ; None where nothing tells it.
+    stays
+        (3,) of σ, what surely is no scatter from frame to frame: an error of all frames alike, m and rad.
     sway
         How the part is seen to move to and fro at rest, which is no noise; None where it is not.
     """
@@ -59,6 +61,7 @@ class Noise:
     known: bool = True
     floor: float = 1.0
     repeatability: float | None = None
+    stays: Floats = field(default_factory=lambda: np.zeros(3))
     sway: Sway | None = None
 
     @property
@@ -94,8 +97,9 @@ def noise_of(recordings: RecordingSet) -> Noise:
         )
     sigma = np.array([position, position, orientation])
     still = (found.x.sigma, found.y.sigma, found.theta.sigma)
-    stays = _staying((found.x, found.y, found.theta), sigma)
-    correlation = min((1.0 - stays) * correlation + stays, _MOST)
+    shares = _staying((found.x, found.y, found.theta), sigma)
+    share = float(np.mean(shares[np.isfinite(shares)])) if np.any(np.isfinite(shares)) else 0.0
+    correlation = min((1.0 - share) * correlation + share, _MOST)
     return Noise(
         sigma=sigma,
         repeatability=_repeatability(still, sigma),
@@ -104,6 +108,7 @@ def noise_of(recordings: RecordingSet) -> Noise:
         correlation_error=error,
         source=sources[0] if sources[0] == sources[1] else f"{sources[0]}, θ {sources[1]}",
         known=_ROUGHNESS not in sources,
+        stays=sigma * np.sqrt(np.nan_to_num(shares)),
         sway=found.sway,
     )
 
@@ -148,14 +153,13 @@ def _correlation(spreads: tuple[Spread, ...]) -> tuple[float, float]:
     return float(np.clip(mean, 0.0, _MOST)), float(1.0 / np.sqrt(weight.sum()))
 
 
-def _staying(spreads: tuple[Spread, ...], sigma: Floats) -> float:
-    """Share of the variances σ² (3,) that is surely no scatter from frame to frame, their mean."""
-    shares = [
-        1.0 - (one.sigma * (1.0 + _SURE / np.sqrt(2.0 * one.freedom)) / whole) ** 2
+def _staying(spreads: tuple[Spread, ...], sigma: Floats) -> Floats:
+    """(3,) shares of the variances σ² (3,) that are surely no scatter from frame to frame; NaN where it is unknown."""
+    scatter = [
+        np.nan if one.sigma is None else one.sigma * (1.0 + _SURE / np.sqrt(2.0 * one.freedom))
         for one, whole in zip(spreads, sigma, strict=True)
-        if one.sigma is not None
     ]
-    return float(np.mean(np.maximum(shares, 0.0))) if shares else 0.0
+    return np.maximum(1.0 - (np.array(scatter) / sigma) ** 2, 0.0)
 
 
 def _position(

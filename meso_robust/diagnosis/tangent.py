@@ -202,14 +202,7 @@ def intervals(
         Of the fitted numbers, in the model's order.
     """
     n = len(model.parameters)
-    alone = tangent(
-        np.concatenate([np.zeros_like(jacobian[..., :n]), jacobian[..., n:]], axis=2),
-        n,
-        at.seen,
-        at.correlation,
-    )
-    own = np.moveaxis(jacobian[..., :n], -1, 0).reshape(n, *at.seen.shape)
-    left = alone.evidence(alone.rows(own))
+    alone, left = beyond_starts(model, jacobian, at)
     free = np.flatnonzero(model.fitted & (np.linalg.norm(left, axis=1) > 0.0))
     reach = np.full(n, np.inf)
     covariance = _inverse(left[free] @ left[free].T)
@@ -228,6 +221,30 @@ def intervals(
     middle = model.coordinates(values[None])[0]
     ends = [model.values((middle + sign * np.minimum(reach, 40.0))[None])[0] for sign in (-1, 1)]
     return tuple(_interval(model, k, values, ends) for k in range(n) if model.fitted[k])
+
+
+def beyond_starts(model: Model, jacobian: Floats, at: Tangent) -> tuple[Tangent, Floats]:
+    """What the starts can take alone, and what the numbers of a model change beyond it.
+
+    Parameters
+    ----------
+    model, jacobian, at
+        As of `intervals`.
+
+    Returns
+    -------
+    Tangent, Floats
+        That of the starts, and (n, R M) white changes.
+    """
+    n = len(model.parameters)
+    alone = tangent(
+        np.concatenate([np.zeros_like(jacobian[..., :n]), jacobian[..., n:]], axis=2),
+        n,
+        at.seen,
+        at.correlation,
+    )
+    own = np.moveaxis(jacobian[..., :n], -1, 0).reshape(n, *at.seen.shape)
+    return alone, alone.evidence(alone.rows(own))
 
 
 def _inverse(matrix: Floats) -> Floats:

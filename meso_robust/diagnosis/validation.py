@@ -45,7 +45,7 @@ class Split:
     held_out: RecordingSet | None
 
 
-def split(recordings: RecordingSet, seed: int) -> Split:
+def split(recordings: RecordingSet, seed: int, fitted: frozenset[str] = frozenset()) -> Split:
     """Hold out a fifth of the recordings, whole ones, at random.
 
     Parameters
@@ -54,10 +54,14 @@ def split(recordings: RecordingSet, seed: int) -> Split:
         All.
     seed
         Of the choice.
+    fitted
+        Files of those that are not to be held out.
     """
     count = len(recordings.recordings)
     spared = max(2, round(_HELD_OUT * count)) if count >= _FEWEST else 0
-    chosen = set(np.random.default_rng([seed, count]).permutation(count)[:spared].tolist())
+    order = np.random.default_rng([seed, count]).permutation(count).tolist()
+    able = [k for k in order if recordings.recordings[k].file not in fitted]
+    chosen = set(able[:spared])
     return Split(
         training=_of(recordings, [k for k in range(count) if k not in chosen]),
         held_out=_of(recordings, sorted(chosen)) if spared else None,

@@ -12,8 +12,8 @@ from multiprocessing import get_context
 from pathlib import Path
 
 from reports.blind3.answering import Values, answered
-from reports.blind3.cases import HERE, Case, commit, listed, renew
-from reports.blind3.score import page, scored_cases
+from reports.blind3.cases import HERE, SETS, Case, commit, listed, renew, sealed
+from reports.blind3.score import page, results_text, scored_cases
 
 RESULTS = HERE / "results.jsonl"
 
@@ -34,6 +34,21 @@ def run(cases: Sequence[Case], workers: int, path: Path = RESULTS) -> None:
         print(answer["id"], answer["verdict"], *answer.get("effects", ()), flush=True)
 
 
+def again(cases: Sequence[Case], workers: int, path: Path) -> str:
+    """Answer cases that have an answer once more, into another file; its results in Markdown.
+
+    They are no blind evidence any more: this shows what a change of the diagnoser does. Other cases are left alone.
+    """
+    known = {answer["id"] for answer in kept()}
+    asked = [case for case in cases if case.id in known]
+    for case in asked:
+        folder = SETS / f"{case.id:03d}"
+        if not folder.exists():
+            sealed(case, folder)
+    run(asked, workers, path)
+    return results_text(scored_cases(kept(path)), frozenset())
+
+
 def _answers(cases: Sequence[Case], workers: int) -> Iterator[Values]:
     if workers == 1:
         yield from map(answered, cases)
@@ -52,6 +67,9 @@ def main(arguments: Sequence[str] | None = None) -> None:
     parser.add_argument(
         "--renew", action="store_true", help="promise the same sets of this generator"
     )
+    parser.add_argument(
+        "--again", type=Path, metavar="FILE", help="diagnose those with an answer anew, into FILE"
+    )
     parser.add_argument("--score", action="store_true", help="write results.md only")
     given = parser.parse_args(arguments)
     if given.commit:
@@ -60,6 +78,9 @@ def main(arguments: Sequence[str] | None = None) -> None:
     if given.renew:
         with tempfile.TemporaryDirectory() as folder:
             sys.exit(1 if renew(Path(folder)) else 0)
+    if given.again:
+        sys.stdout.write(again(listed()[given.first : given.cases], given.workers, given.again))
+        return
     if not given.score:
         run(listed()[given.first : given.cases], given.workers)
     (HERE / "results.md").write_text(page(scored_cases(kept())), encoding="utf-8")

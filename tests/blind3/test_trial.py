@@ -15,7 +15,7 @@ import pytest
 from meso_robust.recordings import read_set
 from meso_robust.simulator.catalogue import CATALOGUE, stage_of
 from reports.blind3 import generate, laws
-from reports.blind3.__main__ import kept, run
+from reports.blind3.__main__ import again, kept, run
 from reports.blind3.cases import (
     COMMITMENT,
     Case,
@@ -222,6 +222,30 @@ def test_a_run_goes_on_where_it_was_stopped(
     run(listed()[:4], 1, path)
     assert asked == [0, 1, 2, 3]
     assert [one["id"] for one in kept(path)] == [0, 1, 2, 3]
+
+
+def test_cases_that_have_an_answer_are_answered_again_and_no_others(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def answer(case: Case) -> dict[str, Any]:
+        told: dict[str, Any] = {
+            "verdict": "consistent",
+            "effects": {},
+            "explained": None,
+            "stage": None,
+        }
+        return {"id": case.id, "seconds": 1.0, "cpu_seconds": 1.0, **told}
+
+    made: list[int] = []
+    monkeypatch.setattr("reports.blind3.__main__.answered", answer)
+    monkeypatch.setattr("reports.blind3.__main__.SETS", tmp_path)
+    monkeypatch.setattr("reports.blind3.__main__.sealed", lambda case, folder: made.append(case.id))
+    before, last = kept(), max(one["id"] for one in kept())
+    path = tmp_path / "again.jsonl"
+    text = again(listed()[last - 1 : last + 3], 1, path)
+    assert made == [one["id"] for one in kept(path)] == [last - 1, last]
+    assert kept() == before
+    assert text.startswith("# Results of 2 cases")
 
 
 def made_up(

@@ -70,6 +70,9 @@ def test_what_is_stated_beyond_the_scatter_stays_from_frame_to_frame(
     plain, found = noise_of(quiet), noise_of(replace(quiet, sensor=sensor))
     assert abs(plain.correlation) < 4.0 * plain.correlation_error
     assert least <= found.correlation <= most + 4.0 * plain.correlation_error
+    there = float(np.sqrt(stated**2 - 1.0)) * SIGMA
+    assert np.all(found.stays <= 1.01 * there)  # what surely stays is at most what is there
+    assert np.all(found.stays >= 0.8 * there)
 
 
 @pytest.mark.parametrize("colour", [0.0, 0.5])

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
+from meso_robust.diagnosis.diagnose import Diagnosis, _amiss
 from meso_robust.diagnosis.validation import split, without
 from meso_robust.recordings import RecordingSet
 
@@ -45,3 +47,24 @@ def test_the_seed_makes_the_choice(null_set: RecordingSet) -> None:
 def test_files_are_left_out_by_name(null_set: RecordingSet) -> None:
     rest = without(null_set, {"push_02.csv", "push_05.csv", "no_such.csv"})
     assert files(rest) == [f for f in files(null_set) if f not in ("push_02.csv", "push_05.csv")]
+
+
+def test_some_recordings_are_fitted_in_any_case(null_set: RecordingSet) -> None:
+    recordings = of(null_set, 10)
+    plain = split(recordings, 0)
+    wanted = frozenset(files(plain.held_out))
+    other = split(recordings, 0, wanted)
+    assert wanted <= set(files(other.training))
+    assert len(files(other.held_out)) == 2
+    same = split(recordings, 0, frozenset(files(plain.training)[:1]))
+    assert files(same.held_out) == files(plain.held_out)
+
+
+def test_a_recording_that_was_held_out_and_is_far_off_is_fitted(null: Diagnosis) -> None:
+    """Where those of the fit show nothing, the only push on an edge may have been held out."""
+    assert null.plain.held_out is not None
+    assert _amiss(null.plain, null.baseline) == frozenset()
+    errors = replace(null.plain.held_out, sigma=np.array([1.0, 2.0]))
+    off = replace(null.plain, held_out=errors)
+    assert _amiss(off, null.baseline) == {errors.prepared.files[1]}
+    assert _amiss(replace(off, held_out=None), null.baseline) == frozenset()
