@@ -8,7 +8,7 @@ import numpy as np
 
 from meso_robust.types import Floats, Ints
 
-SIDE_GROWTH = 1.9
+SIDE_GROWTH = 2.2
 """Variance by which one side as a whole may seem displaced or tilted by texture, halo and background, over
 what the residuals of points along a side share: assumed before the sides are seen, worth SIDE_COUNT observations.
 The noise of pixels, which is all there is to a side lit through the slide, is shared by none of them."""
