@@ -84,7 +84,7 @@ campaign: $(INSTALLED)
 	for name in falsify mutation properties; do \
 	  $(BIN)/meso-robust campaign reports/campaigns/$$name.toml --out reports/campaigns/$$name --resume || exit 1; \
 	done
-	$(BIN)/python -m reports.tracking.accuracy --films 24 --film 14 --seed 11 --jobs 2 --out reports/tracking/accuracy.md
+	$(BIN)/python -m reports.tracking.accuracy --films 60 --film 14 --seed 5077 --jobs 2 --out reports/tracking/accuracy.md
 	$(BIN)/python -m reports.identification.recovery
 	$(BIN)/python -m reports.identification.design_report --sets 80 --out reports/identification
 	$(BIN)/python -m reports.blind.campaign --workers 2 --quick-diagnosis --out reports/blind/next_trial

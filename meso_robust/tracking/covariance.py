@@ -8,9 +8,12 @@ import numpy as np
 
 from meso_robust.types import Floats, Ints
 
-SIDE_SHARE = 0.6
-"""Share of the spread of a fit's residuals by which one side as a whole may seem displaced or tilted by
-texture, halo and background: assumed before the sides are seen, worth SIDE_COUNT observations."""
+SIDE_GROWTH = 2.2
+"""Variance by which one side as a whole may seem displaced or tilted by texture, halo and background, over
+what the residuals of points along a side share: assumed before the sides are seen, worth SIDE_COUNT observations.
+The noise of pixels, which is all there is to a side lit through the slide, is shared by none of them."""
+SIDE_LEAST = 0.05
+"""Share of the residuals' variance that counts as shared besides: few points do not tell that nothing is."""
 SIDE_COUNT = 4.0
 SIDE_TILT = 1.3
 """Displacement of a side's ends by its tilt, relative to that of the side as a whole."""
@@ -90,7 +93,8 @@ def systematic(design: Floats, weight: Floats, residual: Floats, modes: Floats) 
     """
     from meso_robust.tracking.covariance_kernels import displaced
 
-    return Systematic(*displaced(design, weight, residual, modes, (SIDE_SHARE, SIDE_COUNT)))
+    assumed = SIDE_GROWTH, SIDE_LEAST, SIDE_COUNT
+    return Systematic(*displaced(design, weight, residual, modes, assumed))
 
 
 def lamp_covariance(fit: Floats) -> Floats:

@@ -10,6 +10,9 @@ from numba import njit
 from meso_robust.kernels import maker, sealed
 from meso_robust.types import Flags, Floats, Ints
 
+# points of 3 px: farther apart than pixels and blocks of compression that profiles have in common
+_APART = 4, 8
+
 
 @sealed
 def _added(row: Floats, weight: float, matrix: Floats) -> None:
@@ -123,14 +126,41 @@ def _gathered(
     return power, most, seen / max(power, 1e-9)
 
 
+@sealed
+def _shared(weight: Floats, residual: Floats, side: Floats) -> tuple[float, float]:
+    """Products of residuals some points apart on one side, about its mean, and what they weigh.
+
+    ``side`` (N,) is the mode of it that displaces it as a whole.
+    """
+    first, last, power, mean = len(side), 0, 1e-9, 0.0
+    for n in range(len(side)):
+        if side[n] != 0.0:
+            first, last = min(first, n), n + 1
+            power += weight[n]
+            mean += weight[n] * residual[n]
+    mean /= power
+    total, pairs = 0.0, 0.0
+    for n in range(first, last):
+        for other in range(n + _APART[0], min(n + _APART[1] + 1, last)):
+            both = math.sqrt(weight[n] * weight[other])
+            total += both * (residual[n] - mean) * (residual[other] - mean)
+            pairs += both
+    return total, pairs
+
+
 @njit(cache=True, nogil=True, error_model="numpy")
 def displaced(
-    design: Floats, weight: Floats, residual: Floats, modes: Floats, assumed: tuple[float, float]
+    design: Floats,
+    weight: Floats,
+    residual: Floats,
+    modes: Floats,
+    assumed: tuple[float, float, float],
 ) -> tuple[Floats, Floats]:
     """How far sides may be displaced in modes (M, N), and what that does to a fit; see `covariance.systematic`.
 
-    ``assumed`` are the share of the spread of the residuals and the observations that it is worth. Returns the
-    standard deviations (M,) and by how much each displaces the solution (M, k).
+    ``assumed`` are the variance of a displacement over that which points of a side share, the share of the
+    residuals' variance that is shared at least, and the observations that this is worth. Returns the standard
+    deviations (M,) and by how much each displaces the solution (M, k).
     """
     many = len(modes)
     pull, used = np.zeros((many, design.shape[1])), np.zeros(many, np.bool_)
@@ -141,7 +171,12 @@ def displaced(
     response = np.dot(pull, _bread(design, weight))
     # by how much each displaces what is left along each other
     left = -np.dot(response, pull.T) / np.maximum(power, 1e-9)
-    expected = assumed[0] ** 2 * np.sum(weight * residual**2) / max(np.sum(weight), 1e-9)
+    total, pairs = 0.0, 1e-9
+    for m in range(0, many, 2):
+        side = _shared(weight, residual, modes[m])
+        total, pairs = total + side[0], pairs + side[1]
+    spread = np.sum(weight * residual**2) / max(np.sum(weight), 1e-9)
+    expected = assumed[0] * (max(total / pairs, 0.0) + assumed[1] * spread)
     for kind in range(2):
         free, found = 0.0, 0.0
         for m in range(kind, many, 2):
@@ -150,7 +185,7 @@ def displaced(
                 own = 1.0 if m == other else 0.0
                 free += (own + left[m, other]) ** 2 if used[m] and used[other] else 0.0
         for m in range(kind, many, 2):
-            sigma[m] = math.sqrt((assumed[1] * expected + found) / (assumed[1] + free))
+            sigma[m] = math.sqrt((assumed[2] * expected + found) / (assumed[2] + free))
     return sigma, response
 
 

@@ -12,18 +12,15 @@ import numpy as np
 from numba import njit
 
 from meso_robust.kernels import maker, sealed
+from meso_robust.tracking.alpha_matting import CLIMB, HEIGHTS, RINGS
 from meso_robust.types import Flags, Floats, Image, Ints, Singles
 
 _HALO = 12.0
 """px; the film may darken or brighten towards the needle over an eighth of it and over a third."""
-# px from a needle, where a meniscus may focus the light, and how far about it
-_RING, _RING_WIDTH = 5.0, 3.0
 KNOTS = 5
 """Of the brightness across the needle, evenly from one flank to the other."""
 FINE_KNOTS = 7
 """Likewise where many frames tell it."""
-CLIMB = 9.0
-"""px of shaft over which the liquid's meniscus may change."""
 BASIS = 6 + KNOTS
 """Images of `basis`: film and its two slopes, two halos, the needle's brightness and its slope."""
 _SHARPEST = 0.1  # px, standard deviation of an edge in focus
@@ -70,6 +67,15 @@ def _halos(distance: float) -> tuple[float, float]:
     """Shares of the two halos at a distance from a needle."""
     part = math.exp(-max(distance, 0.0) / _HALO)  # a root of both, as an exponential takes long
     return part**8, part**3
+
+
+@sealed
+def _ring(away: float, ring: int) -> float:
+    """Share of one of `RINGS` in a meniscus at a distance from a needle, from one to the next."""
+    share = (RINGS[ring + 1] - away) / (RINGS[ring + 1] - RINGS[ring])
+    if ring > 0:
+        share = min((away - RINGS[ring - 1]) / (RINGS[ring] - RINGS[ring - 1]), share)
+    return max(share, 0.0)
 
 
 @sealed
@@ -217,11 +223,12 @@ def layers(first: Floats, axis: Floats, shape: Floats, finer: int, out: Singles)
     """Sharp images of a needle as `alpha_matting.layers` has them, at fine samples.
 
     ``first`` (2,) px from the tip to the first sample, ``axis`` (2,), ``shape`` (taper, radius, rise),
-    ``out`` (1 + 3 * 3 + FINE_KNOTS + 1, h, w).
+    ``out`` (1 + HALO_COUNT + OWN_COUNT, h, w).
     """
     radius, rise = shape[1], shape[2]
     c, d = math.cos(shape[0]), math.sin(shape[0])
     shares = np.empty(FINE_KNOTS)
+    first_own = 1 + HEIGHTS * (len(RINGS) - 1)
     for i in range(out.shape[1]):
         for j in range(out.shape[2]):
             u, v = first[0] + j / finer, first[1] + i / finer
@@ -237,18 +244,16 @@ def layers(first: Floats, axis: Floats, shape: Floats, finer: int, out: Singles)
                 max(1.0 - abs(up - 1.0), 0.0),
                 min(max(up - 1.0, 0.0), 1.0),
             )
-            near, wide = _halos(distance) if clear > 0.0 else (0.0, 0.0)
-            ring = max(1.0 - abs(distance - _RING) / _RING_WIDTH, 0.0)
-            for k in range(3):
-                out[1 + k, i, j] = clear * near * hats[k]
-                out[4 + k, i, j] = clear * wide * hats[k]
-                out[7 + k, i, j] = clear * ring * hats[k]
+            for ring in range(len(RINGS) - 1):
+                share = clear * _ring(max(distance, 0.0), ring)
+                for k in range(HEIGHTS):
+                    out[1 + HEIGHTS * ring + k, i, j] = share * hats[k]
             if inside > 0.0:
                 sigma = max(rise * s, _SHARPEST)
                 _defocused(n, _half_width(s, c, d, radius), sigma, shares)
             for knot in range(FINE_KNOTS):
-                out[10 + knot, i, j] = inside * shares[knot] if inside > 0.0 else 0.0
-            out[10 + FINE_KNOTS, i, j] = 0.1 * inside * s
+                out[first_own + knot, i, j] = inside * shares[knot] if inside > 0.0 else 0.0
+            out[first_own + FINE_KNOTS, i, j] = 0.1 * inside * s
 
 
 @maker

@@ -17,9 +17,12 @@ from meso_robust.tracking.alpha_matting import (
     AHEAD,
     ALONG,
     ASIDE,
+    CLIMB,
     HALO_COUNT,
+    HEIGHTS,
     OWN_COUNT,
     PAD,
+    RINGS,
     Window,
     blurred,
     sampled,
@@ -38,7 +41,9 @@ _LINEAR = HALO_COUNT + OWN_COUNT
 # how much a meniscus brightens the film, and how bright a needle is, and how much that changes along it, over the
 # film's: middle and spread before the image is seen; of its direction, which was fitted once, the spread (rad)
 _BRIGHT = np.array([0.0] * HALO_COUNT + [0.6] * (OWN_COUNT - 1) + [0.0])
-_BRIGHT_SPREAD = np.array([0.25] * HALO_COUNT + [0.6] * (OWN_COUNT - 1) + [0.3])
+_MENISCUS, _OWN_SPREAD = 0.25, np.array([0.6] * (OWN_COUNT - 1) + [0.3])
+# px away from a needle and along it over which a meniscus is alike, and the share of its variance that is not
+_WIDE, _HIGH, _RIDGE = 3.0, 18.0, 1e-4
 _TURN = 0.1
 _DISC, _DISC_SPREAD = 0.25, 0.5  # of how flat the blur is
 _DISCS = -0.25, 1.25  # limits of it
@@ -123,7 +128,7 @@ def fit_matte(
     shape, places = needle, np.array([_within(*pair) for pair in zip(seen, tips, strict=True)])
     bright = np.concatenate([np.zeros(HALO_COUNT), np.full(OWN_COUNT - 1, 0.4), [0.0]])
     films = np.array([[one.film, 0.0, 0.0] for one in seen])
-    unsure = np.concatenate([_BRIGHT_SPREAD, np.array([_TURN, *SPREAD, _DISC_SPREAD]) / _UNITS])
+    certain = _certain()
     noise, alike = 1.0, SHARED
     for count in range(_STEPS):
         fine = _all_layers(shape, bright, window)
@@ -137,8 +142,8 @@ def fit_matte(
         if count >= _LOOSE:
             noise, alike = _left_over(rows, window)
             alike = max(alike, SHARED)
-        certain = alike / unsure**2
-        normal, right = np.diag(certain), certain * np.append(_BRIGHT - bright, other)
+        normal = alike * certain
+        right = normal @ np.append(_BRIGHT - bright, other)
         for own, shared, left, weight in rows:
             weight /= noise
             weight *= _tukey(left, weight) if count >= _LOOSE else 1.0
@@ -166,6 +171,17 @@ def fit_matte(
         needle=shape, brightness=bright, fine=fine, common=common, alike=alike, noise=noise
     )
     return matte, places
+
+
+def _certain() -> Floats:
+    """(K, K) inverse covariance of what is shared, before the image is seen."""
+    spread = np.concatenate([_OWN_SPREAD, np.array([_TURN, *SPREAD, _DISC_SPREAD]) / _UNITS])
+    certain = np.diag(np.append(np.zeros(HALO_COUNT), spread**-2))
+    places = np.meshgrid(RINGS[:-1], CLIMB * np.arange(HEIGHTS), indexing="ij")
+    away, up = (np.subtract.outer(one.ravel(), one.ravel()) for one in places)
+    alike = np.exp(-0.5 * ((away / _WIDE) ** 2 + (up / _HIGH) ** 2)) + _RIDGE * np.eye(HALO_COUNT)
+    certain[:HALO_COUNT, :HALO_COUNT] = np.linalg.inv(_MENISCUS**2 * alike)
+    return certain
 
 
 def place(one: Backdrop, tip: Floats, matte: Matte, window: Window) -> Placed:

@@ -57,13 +57,15 @@ def test_the_table_says_what_was_measured() -> None:
 
 
 def test_what_is_not_covered_is_told_if_it_is_sure() -> None:
-    """Of eight films u and v are held in all but one, or in all; the angle in a half."""
-    error = np.zeros((8, 3))
-    error[0, :2], error[::2, 2] = 1.0, 1.0
-    one = Result("x", error, np.full((8, 3), 0.2), np.arange(8), 0, np.zeros(1))
-    assert one.outside == []  # 87 and 50 %, give or take 12 and 19
-    assert replace(one, film=np.arange(8) // 4).outside == ["x: angle"]
-    assert replace(one, error=np.zeros((8, 3))).outside == ["x: u and v", "x: angle"]
+    """Of eight films of two frames u and v are held in all but one, the angle in a half of the frames."""
+    error = np.zeros((16, 3))
+    error[:2, :2], error[::2, 2] = 1.0, 1.0
+    one = Result("x", error, np.full((16, 3), 0.2), np.arange(16) // 2, 0, np.zeros(1))
+    assert one.outside == ["x: angle"]
+    assert replace(one, film=np.arange(16) % 8).outside == []  # in a half of the films, ± 19 %
+    assert replace(one, error=np.zeros((16, 3))).outside == []  # of 95 % eight films may all be held
+    many = Result("x", np.zeros((200, 3)), np.ones((200, 3)), np.arange(200), 0, np.zeros(1))
+    assert many.outside == ["x: u and v", "x: angle"]
 
 
 def test_the_table_of_tips_says_what_was_measured() -> None:

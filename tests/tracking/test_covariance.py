@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from meso_robust.tracking.covariance import SIDE_SHARE, clustered, fused, systematic, turned
+from meso_robust.tracking.covariance import clustered, fused, systematic, turned
 from meso_robust.tracking.edges import rotation, sampled_outline
 from meso_robust.tracking.memory import untaught
 from meso_robust.tracking.rim import LampFit
@@ -41,7 +41,7 @@ def test_weights_of_another_outline_are_refused() -> None:
 
 
 def test_displaced_sides_are_reported() -> None:
-    """Each side displaced and tilted at random by 0.05 px, as residuals of that spread let expect."""
+    """Each side displaced and tilted at random by 0.05 px, before noise of 0.1 px that no two points share."""
     rng, design = np.random.default_rng(1), OUTLINE.design
     weight, level = np.ones(len(design)), np.eye(2)
     solutions, stated = [], []
@@ -49,12 +49,31 @@ def test_displaced_sides_are_reported() -> None:
         error = rng.normal(0.0, 0.05, len(OUTLINE.modes)) @ OUTLINE.modes
         solution = np.linalg.lstsq(design, error, rcond=None)[0]
         residual = error - design @ solution
-        scattered = residual + rng.normal(0.0, 0.04 / SIDE_SHARE, len(residual))
+        scattered = residual + rng.normal(0.0, 0.1, len(residual))
         solutions.append(solution[:3])
         sides = systematic(design, weight, scattered, OUTLINE.modes)
         stated.append(np.diag(sides.covariance(level, None)))
     ratio = np.mean(stated, axis=0) / np.var(solutions, axis=0)
     assert np.all((ratio > 0.75) & (ratio < 1.35))
+
+
+@pytest.mark.parametrize(("varied", "most"), [(0.0, 6.0), (0.05, 3.0)])
+def test_noise_of_points_does_not_tilt_sides(varied: float, most: float) -> None:
+    """Independent noise of 0.1 px, and what varies along a side over 40 px: the angle's variance, not far above it."""
+    rng, design = np.random.default_rng(5), OUTLINE.design
+    weight, place = np.ones(len(design)), np.arange(len(design))
+    same = OUTLINE.side[:, None] == OUTLINE.side
+    alike = same * np.exp(-0.5 * ((place[:, None] - place) / 13.0) ** 2)
+    root = np.linalg.cholesky(alike + 1e-6 * np.eye(len(design)))
+    angles, stated = [], []
+    for _ in range(300):
+        error = rng.normal(0.0, 0.1, len(design)) + varied * root @ rng.normal(size=len(design))
+        solution = np.linalg.lstsq(design, error, rcond=None)[0]
+        residual = error - design @ solution
+        sides = systematic(design, weight, residual, OUTLINE.modes).covariance(np.eye(2), None)
+        angles.append(solution[2])
+        stated.append(sides[2, 2] + clustered(design, weight, residual, OUTLINE.starts)[2, 2])
+    assert 0.8 < np.mean(stated) / np.var(angles) < most
 
 
 def test_tilts_are_not_expected_from_sides_that_light_displaces() -> None:

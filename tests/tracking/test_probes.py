@@ -283,3 +283,28 @@ def test_film_near_the_part_tells_nothing_of_a_needle() -> None:
     assert np.all(used[:, u < 86.5] == 1.0)
     assert np.all(used[:, u > 87.5] == 0.0)
     assert np.array_equal(beyond(scene, one, 0.0).used, scene.used)
+
+
+@pytest.mark.parametrize("seed", [1, 2])
+def test_a_meniscus_does_not_draw_a_tip(seed: int) -> None:
+    """Before an even film with hardly any noise, which the liquid darkens at the needle and brightens a little away."""
+    axis, rng = np.array([math.cos(0.7), math.sin(0.7)]), np.random.default_rng(seed)
+    scene = Scene(
+        part=None,
+        probes=(Probe(tip_radius=RADIUS, direction=0.7),),
+        oil=Oil(halo=0.25, ring=0.12, texture=0.0, grain=0.0, dust=0),
+        optics=Optics(width=160, height=160),
+        exposure=Exposure(shot_noise=0.0, read_noise=0.3),
+    )
+    tips = rng.uniform(-10.0, 10.0, (8, 2)) * PIXEL
+    truth = project(scene.optics, tips)
+    needle = Needle(tip=(80.0, 80.0), direction=-0.7, taper=0.08, radius=R_PX)
+    window = window_of(needle)
+    seen = [
+        glimpse(render(scene, np.full(3, math.nan), tip[None], rng), place, window, None)
+        for tip, place in zip(tips, truth, strict=True)
+    ]
+
+    errors = refined(seen, needle, window).tips - truth
+
+    assert abs(float(errors.mean(axis=0) @ [axis[0], -axis[1]])) < 0.05
