@@ -13,6 +13,7 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
+from meso_robust.tracking import meniscus
 from meso_robust.tracking.needle import FINER, Needle, pixel_weights
 from meso_robust.types import Floats, Singles
 
@@ -22,11 +23,7 @@ AHEAD, ALONG, ASIDE = 8.0, 22.0, 9.0
 # its series begins with 1/24, and falls off faster
 _DISC = 1.0 / 12.0
 PAD = 6  # px around the window, so that neither blur nor shift meets its border
-RINGS = (0.0, 1.2, 2.7, 4.6, 7.0, 10.1, 14.0)
-"""px from a needle at which a meniscus may brighten or darken the film; at the last it has ended."""
-CLIMB, HEIGHTS = 9.0, 3
-"""px of shaft over which the liquid's meniscus may change, and how many places along it tell how."""
-HALO_COUNT = HEIGHTS * (len(RINGS) - 1)
+HALO_COUNT = meniscus.COUNT
 """Unknown shares of the transmission; the other brightnesses are the needle's own."""
 OWN_COUNT = 8
 

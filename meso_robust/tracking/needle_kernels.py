@@ -12,7 +12,7 @@ import numpy as np
 from numba import njit
 
 from meso_robust.kernels import maker, sealed
-from meso_robust.tracking.alpha_matting import CLIMB, HEIGHTS, RINGS
+from meso_robust.tracking.meniscus import CLIMB, COUNT, HEIGHTS, RINGS
 from meso_robust.types import Flags, Floats, Image, Ints, Singles
 
 _HALO = 12.0
@@ -228,7 +228,7 @@ def layers(first: Floats, axis: Floats, shape: Floats, finer: int, out: Singles)
     radius, rise = shape[1], shape[2]
     c, d = math.cos(shape[0]), math.sin(shape[0])
     shares = np.empty(FINE_KNOTS)
-    first_own = 1 + HEIGHTS * (len(RINGS) - 1)
+    first_own = 1 + COUNT
     for i in range(out.shape[1]):
         for j in range(out.shape[2]):
             u, v = first[0] + j / finer, first[1] + i / finer

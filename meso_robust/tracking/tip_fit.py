@@ -13,16 +13,14 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from meso_robust.tracking import meniscus
 from meso_robust.tracking.alpha_matting import (
     AHEAD,
     ALONG,
     ASIDE,
-    CLIMB,
     HALO_COUNT,
-    HEIGHTS,
     OWN_COUNT,
     PAD,
-    RINGS,
     Window,
     blurred,
     sampled,
@@ -39,11 +37,9 @@ _TRIED = np.array([0.02, 0.02, 0.02, 0.1, 0.1])  # steps of the differences of t
 _UNITS = np.array([0.1, 0.1, 1.0, 0.02, 1.0])  # of direction, taper, log of blur, rise, and disc
 _LINEAR = HALO_COUNT + OWN_COUNT
 # how much a meniscus brightens the film, and how bright a needle is, and how much that changes along it, over the
-# film's: middle and spread before the image is seen; of its direction, which was fitted once, the spread (rad)
+# film's: middle, and spread of the latter, before the image is seen; of its direction, which was fitted once, the spread (rad)
 _BRIGHT = np.array([0.0] * HALO_COUNT + [0.6] * (OWN_COUNT - 1) + [0.0])
-_MENISCUS, _OWN_SPREAD = 0.25, np.array([0.6] * (OWN_COUNT - 1) + [0.3])
-# px away from a needle and along it over which a meniscus is alike, and the share of its variance that is not
-_WIDE, _HIGH, _RIDGE = 3.0, 18.0, 1e-4
+_OWN_SPREAD = np.array([0.6] * (OWN_COUNT - 1) + [0.3])
 _TURN = 0.1
 _DISC, _DISC_SPREAD = 0.25, 0.5  # of how flat the blur is
 _DISCS = -0.25, 1.25  # limits of it
@@ -177,10 +173,7 @@ def _certain() -> Floats:
     """(K, K) inverse covariance of what is shared, before the image is seen."""
     spread = np.concatenate([_OWN_SPREAD, np.array([_TURN, *SPREAD, _DISC_SPREAD]) / _UNITS])
     certain = np.diag(np.append(np.zeros(HALO_COUNT), spread**-2))
-    places = np.meshgrid(RINGS[:-1], CLIMB * np.arange(HEIGHTS), indexing="ij")
-    away, up = (np.subtract.outer(one.ravel(), one.ravel()) for one in places)
-    alike = np.exp(-0.5 * ((away / _WIDE) ** 2 + (up / _HIGH) ** 2)) + _RIDGE * np.eye(HALO_COUNT)
-    certain[:HALO_COUNT, :HALO_COUNT] = np.linalg.inv(_MENISCUS**2 * alike)
+    certain[:HALO_COUNT, :HALO_COUNT] = meniscus.certainty()
     return certain
 
 

@@ -63,7 +63,8 @@ def test_what_is_not_covered_is_told_if_it_is_sure() -> None:
     one = Result("x", error, np.full((16, 3), 0.2), np.arange(16) // 2, 0, np.zeros(1))
     assert one.outside == ["x: angle"]
     assert replace(one, film=np.arange(16) % 8).outside == []  # in a half of the films, ± 19 %
-    assert replace(one, error=np.zeros((16, 3))).outside == []  # of 95 % eight films may all be held
+    # of 95 % eight films may all be held
+    assert replace(one, error=np.zeros((16, 3))).outside == []
     many = Result("x", np.zeros((200, 3)), np.ones((200, 3)), np.arange(200), 0, np.zeros(1))
     assert many.outside == ["x: u and v", "x: angle"]
 
