@@ -10,6 +10,7 @@ import pytest
 
 from meso_robust.pipeline import Planned
 from meso_robust.planning.remedy import Remedy
+from meso_robust.planning.stated import widened
 from meso_robust.primitives.names import Reason, about
 from meso_robust.primitives.setup import Uncertainty
 from meso_robust.reporting import rows
@@ -76,13 +77,13 @@ def test_every_uncertainty_has_its_words_and_its_budget(proved: Planned) -> None
     result = replace(proved, task=task)
     names = [field.name for field in fields(Uncertainty)]
     stated = rows._stated(result)
-    budgets = {name: rows._budget(result, name, 2.0) for name in names}
+    budgets = {name: widened(task, name, 2.0) for name in names}
 
     assert set(stated) == set(names)
     assert stated["tip_radius"] == "2.5 … 12.5 µm"
     assert stated["travel_direction"] == "−0.1 … 0.1 deg"
     assert stated["size"] == "± 4 µm"
-    assert rows._budget(result, "tip_radius", 1.5) == "0 … 15 µm"
+    assert widened(task, "tip_radius", 1.5) == "0 … 15 µm"
     assert budgets["tip_radius"] == "0 … 17.5 µm"
     assert budgets["passive_tip_radius"] == "1.25 … 6.25 µm"
     assert budgets["drag_anisotropy"] == "± 10 %"
