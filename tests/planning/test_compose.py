@@ -108,6 +108,7 @@ def test_what_would_settle_it_names_the_uncertainty_in_the_way() -> None:
 
     assert found.scale < 1.0
     assert found.only == "friction"
+    assert found.range is not None
     assert found.settled_by == about(
         Remedy.NARROW_ONE, uncertainty="friction", scale=str(found.scale), range=found.range
     )
