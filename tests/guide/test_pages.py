@@ -145,7 +145,10 @@ def test_keys_of_a_task_that_are_explained_are_all_its_keys() -> None:
 
 def test_what_a_verdict_is_said_to_tell_is_told_by_the_code() -> None:
     claims = {words(one.name) for step in paper_chain().steps for one in step.obligations}
-    found = [Found(rules=(), scale=0.1, only=one) for one in ("friction", None)]
+    found = [
+        Found(rules=(), scale=0.21, only="friction", range="0.26 … 0.29"),
+        Found(rules=(), scale=0.1),
+    ]
     settled = " or ".join(words(one.settled_by) for one in found)
     goal = words(about(Reason.ENDS_IN_GOAL))
     told = re.findall(r"^\| \*([^*]+)\*", text("your_task.md"), re.MULTILINE)
