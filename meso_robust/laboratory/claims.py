@@ -149,27 +149,32 @@ def outside(poses: Floats, boxes: Floats, slack: Floats) -> Flags:
     The boxes (K, 2, 3) are widened by the slack (N or 1, 3) of the run.
     """
     found = np.zeros(len(poses), dtype=np.bool_)
-    _find_outside(poses.reshape(len(poses), -1, 3), boxes, slack, found)
+    wide = np.stack([boxes[:, 0] - slack[:, None], boxes[:, 1] + slack[:, None]], axis=2)
+    _find_outside(poses.reshape(len(poses), -1, 3), wide, found)
     return found
 
 
 @njit(cache=True, nogil=True)
-def _find_outside(poses: Floats, boxes: Floats, slack: Floats, found: Flags) -> None:
-    """Write what `outside` finds: compiled, as most poses lie in the box of the one before."""
+def _find_outside(poses: Floats, boxes: Floats, found: Flags) -> None:
+    """Write what `outside` finds of boxes (1|N, K, 2, 3).
+
+    Compiled, as most poses lie in the box of the one before.
+    """
+    count = boxes.shape[1]
     for i in range(poses.shape[0]):
-        wide, k = i if slack.shape[0] > 1 else 0, 0
+        own, k = i if boxes.shape[0] > 1 else 0, 0
         for j in range(poses.shape[1]):
             missed = 0
-            while missed < boxes.shape[0]:
+            while missed < count:
                 inside = True
                 for axis in range(3):
-                    inside &= poses[i, j, axis] >= boxes[k, 0, axis] - slack[wide, axis]
-                    inside &= poses[i, j, axis] <= boxes[k, 1, axis] + slack[wide, axis]
+                    inside &= poses[i, j, axis] >= boxes[own, k, 0, axis]
+                    inside &= poses[i, j, axis] <= boxes[own, k, 1, axis]
                 if inside:
                     break
                 missed += 1
-                k = k + 1 if k + 1 < boxes.shape[0] else 0
-            found[i] |= missed == boxes.shape[0]
+                k = k + 1 if k + 1 < count else 0
+            found[i] |= missed == count
 
 
 def _of_a_move(

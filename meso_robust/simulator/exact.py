@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from meso_robust.simulator.events import EventResult, integrate
+from meso_robust.simulator.events import EventResult, carry
 from meso_robust.simulator.motion_model import QuasiStatic
 from meso_robust.simulator.outline import refuse
 from meso_robust.simulator.push import Push
@@ -48,16 +48,17 @@ def exact(push: Push, *, samples: int = 0) -> EventResult:
         refuse("shapes", "a flat tip", "must be points or round", advice)
     runs, legs, probes = len(push.poses), push.waypoints.shape[1] - 1, push.waypoints.shape[2]
     ways = np.broadcast_to(push.waypoints, (runs, legs + 1, probes, 2))
-    return integrate(
-        vertices=push.vertices,
-        poses=push.poses,
-        tips=ways[:, 0],
-        travel=np.diff(ways, axis=1),
-        friction=np.broadcast_to(push.friction_of_legs, (runs, legs, probes)),
-        drag=push.support.drag,
-        radii=np.broadcast_to(push.radii_of_tips, (runs, probes)),
-        stage_lay=push.support.stage_lay,
-        fixture=push.fixture.outlines,
-        fixture_friction=push.fixture.friction,
-        samples=samples,
-    )
+    if samples < 0:
+        refuse("samples", f"{samples}", "must not be negative", "give 0 for no path")
+    move = {
+        "vertices": push.vertices,
+        "poses": push.poses,
+        "tips": ways[:, 0],
+        "travel": np.diff(ways, axis=1),
+        "friction": np.broadcast_to(push.friction_of_legs, (runs, legs, probes)),
+        "drag": push.support.drag,
+        "radii": np.broadcast_to(push.radii_of_tips, (runs, probes)),
+        "stage_lay": push.support.stage_lay,
+        "fixture_friction": np.array(push.fixture.friction),
+    }
+    return carry(move, push.fixture.outlines, samples)  # a push has been checked

@@ -106,6 +106,9 @@ class Push:
     frame
         Where in a step displacements are turned between world and body: about its middle (second
         order), or at its start (first order, eq. 2 of the paper).
+    lengths
+        (T − 1,) longest displacement of any probe of any run between two waypoints in m; follows from
+        these.
 
     Raises
     ------
@@ -127,6 +130,7 @@ class Push:
     motion: MotionModel = field(default_factory=QuasiStatic)
     time_step: float = 0.02
     frame: Literal["middle", "start"] = "middle"
+    lengths: Floats = field(init=False)
 
     def __post_init__(self) -> None:
         """Copy, freeze and check the fields."""
@@ -142,6 +146,9 @@ class Push:
             object.__setattr__(self, name, array)
         if not self.shapes:
             object.__setattr__(self, "shapes", (Point(),) * self.waypoints.shape[2])
+        way = np.diff(self.waypoints, axis=1)
+        lengths = np.hypot(way[..., 0], way[..., 1]).max(axis=(0, 2), initial=0.0)
+        object.__setattr__(self, "lengths", lengths)
         check_parts(self.outlines)
         check_numbers(self.friction_of_legs, self.times, self.step, self.time_step)
         check_radii(self.radii, self.shapes)
@@ -151,7 +158,7 @@ class Push:
             refuse("frame", repr(self.frame), 'must be "middle" or "start"', "leave it out")
         check_steps(
             step=self.step,
-            longest=self.longest_leg,
+            longest=float(self.lengths.max(initial=0.0)),
             time_step=self.time_step,
             steps=self.steps,
             times=self.times,
@@ -257,20 +264,10 @@ class Push:
         """(1|N, 1|T − 1, P) μ between each two waypoints."""
         return self.friction if self.friction.ndim == 3 else self.friction[:, None]
 
-    def _legs(self) -> Floats:
-        """(1|N, T − 1) longest displacement of a probe between two waypoints, m."""
-        way = np.diff(self.waypoints, axis=1)
-        return np.asarray(np.hypot(way[..., 0], way[..., 1]).max(axis=2, initial=0.0))
-
-    @property
-    def longest_leg(self) -> float:
-        """Longest displacement of a probe between two waypoints, m."""
-        return float(self._legs().max(initial=0.0))
-
     @property
     def steps_of_legs(self) -> npt.NDArray[np.int64]:
         """(T − 1,) steps between two waypoints, the same for every run."""
-        count = np.ceil(self._legs().max(axis=0, initial=0.0) / self.step - _ROUNDING)
+        count = np.ceil(self.lengths / self.step - _ROUNDING)
         if self.effects.is_on(*_RATES) or not isinstance(self.motion, QuasiStatic):
             duration = np.diff(self.times, axis=1).max(axis=0, initial=0.0)
             count = np.maximum(count, np.ceil(duration / self.time_step - _ROUNDING))

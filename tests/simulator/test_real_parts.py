@@ -166,6 +166,11 @@ def test_refusals_name_the_argument(changes: dict[str, Any], message: str) -> No
         pushes(np.random.default_rng(0), 2, UM, **changes)
 
 
+def test_a_path_of_less_than_no_intervals_is_refused() -> None:
+    with pytest.raises(ValueError, match="samples: -1; must not be negative"):
+        exact(pushes(np.random.default_rng(0), 2, UM), samples=-1)
+
+
 def test_a_lay_that_leaves_no_drag_is_refused() -> None:
     with pytest.raises(ValueError, match="stage_lay: that of run 0"):
         Film(np.diag([1.0, 1.0, RHO]), np.array([1.0, 0.2]))

@@ -5,5 +5,9 @@ smooth, so it is followed in closed form or with high order; nothing is shared w
 stepper, so that the two judge each other.
 """
 
-from meso_robust.simulator.events.engine import EventResult as EventResult, integrate as integrate
+from meso_robust.simulator.events.engine import (
+    EventResult as EventResult,
+    carry as carry,
+    integrate as integrate,
+)
 from meso_robust.simulator.events.timeline import Timeline as Timeline

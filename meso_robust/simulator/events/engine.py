@@ -340,7 +340,27 @@ def integrate(
     move = {name: np.asarray(array, dtype=np.float64) for name, array in move.items()}
     polygons = [np.asarray(polygon, dtype=np.float64) for polygon in fixture]
     check_move(move, polygons, samples)
-    inputs = prepare(move, polygons)
+    return carry(move, polygons, samples)
+
+
+def carry(move: Mapping[str, Floats], fixture: Sequence[Floats], samples: int) -> EventResult:
+    """As `integrate`, of a move that has been checked.
+
+    Parameters
+    ----------
+    move
+        The arrays of `integrate` under their names there.
+    fixture
+        Polygons (K, 2) of the fixture, m.
+    samples
+        Number of intervals of the path; zero for none.
+
+    Returns
+    -------
+    EventResult
+        As `integrate`.
+    """
+    inputs = prepare(move, fixture)
     outputs = _outputs(inputs, samples, 0)
     _take(inputs, outputs)
     return EventResult(
