@@ -9,6 +9,7 @@ import pytest
 
 from meso_robust.diagnosis.answer import diagnosed
 from reports.blind.generator import Case, make, write
+from tests.nightly import at_night
 
 NULL = Case(kind="null", seed=31)
 SUPPORT = Case(kind="effect", names=("drag_centre_offset",), multiples=(8.0,), seed=32)
@@ -31,7 +32,9 @@ def test_no_alarm_where_nothing_is_concealed(tmp_path: Path) -> None:
     assert abs(ratio["value"] / label["rho_um2"] - 1.0) < 0.01
 
 
-@pytest.mark.parametrize("case", [SUPPORT, CAMERA], ids=["support", "camera"])
+@pytest.mark.parametrize(
+    "case", [pytest.param(SUPPORT, marks=at_night), CAMERA], ids=["support", "camera"]
+)
 def test_a_concealed_effect_is_named_with_its_size(case: Case, tmp_path: Path) -> None:
     found, label = answer(case, tmp_path)
     assert found["verdict"] == "named"

@@ -17,6 +17,7 @@ from tests.campaigns.faults import do
 from tests.campaigns.faulty import campaign
 from tests.campaigns.local_cluster import end, free_port, running, scheduler, worker
 from tests.campaigns.test_work import expected, sums
+from tests.nightly import at_night
 
 pytestmark = pytest.mark.filterwarnings("ignore")  # of Dask's own
 
@@ -61,6 +62,7 @@ def test_a_scheduler_that_is_gone_is_told_and_what_was_done_is_kept(
     assert kept == expected(sorted(kept))
 
 
+@at_night
 def test_a_scheduler_that_comes_back_is_used_again(tmp_path: Path) -> None:
     asked = campaign(40, {"seconds": 0.05})
     store = Store(tmp_path / NAME, asked.values, code())

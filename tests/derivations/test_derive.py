@@ -114,6 +114,7 @@ def test_every_stored_proof_is_answered_as_the_register_says() -> None:
         assert _smt.solve(text)[0] == finding["answer"], finding["proof"]
 
 
+@at_night
 def test_the_same_bytes_whatever_the_hash_seed() -> None:
     run = (
         "from derivations import generate, report\n"

@@ -36,6 +36,7 @@ from meso_robust.tasks import TWO_PROBES
 from reports.tasks import start_sweep
 from reports.tasks.start_sweep import table, task_at
 from tests.conftest import paper_task
+from tests.nightly import at_night
 from tests.planning.test_compose import near
 
 SHIPPED = Path(__file__).parents[2] / "reports" / "paper_task"
@@ -67,6 +68,7 @@ def headings(plan: tuple[MoveRule, ...]) -> list[str]:
     return [rule.frame.heading for rule in plan]
 
 
+@at_night
 def test_two_probes_are_proved_simulated_and_checked_where_one_has_no_plan(
     planned: Planned,
 ) -> None:

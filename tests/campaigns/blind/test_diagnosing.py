@@ -19,6 +19,7 @@ from meso_robust.campaigns.encoding import part_text, result_text
 from meso_robust.campaigns.kind import Part, Result
 from meso_robust.errors import InputError
 from reports.blind.generator import Case, make, write
+from tests.nightly import at_night
 
 CASES = {
     "00": Case(kind="null", seed=31),
@@ -93,6 +94,7 @@ def test_a_set_that_cannot_be_diagnosed_is_counted(results: list[Result]) -> Non
     assert failure.detail.startswith(f"set {BAD}: InputError: {BAD}/set.toml")
 
 
+@at_night
 def test_a_fresh_process_gives_the_same_to_the_last_bit(part: Part, results: list[Result]) -> None:
     environment = {**os.environ, "PYTHONHASHSEED": "77"}
     told = subprocess.run(
