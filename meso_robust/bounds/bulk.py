@@ -301,10 +301,10 @@ def _bisect(
 
 
 @lru_cache(maxsize=256)
-def _scratch(of: Bounded, thread: int) -> Program:
-    """A function laid out for :func:`bound_box`; kept, for a thread that is named by its number."""
+def _scratch(of: Bounded, boxes: int, thread: int) -> Program:
+    """A function laid out for so many boxes; kept, for a thread that is named by its number."""
     del thread
-    return program(of, 4 * of.values.outputs)
+    return program(of, boxes)
 
 
 def enclose_ranges(
@@ -328,7 +328,7 @@ def enclose_ranges(
     """
     lower, upper = np.empty((2, lo.shape[0], of.values.outputs))
     queue_lo, queue_hi = np.empty((2, max(boxes, 1), lo.shape[1]))
-    scratch = _scratch(of, threading.get_ident())
+    scratch = _scratch(of, 4 * of.values.outputs, threading.get_ident())
     _ranges(scratch, lo, hi, queue_lo, queue_hi, slack, lower, upper)
     return lower, upper
 
@@ -390,6 +390,10 @@ def enclose_many(
     """
     lower, upper = np.empty((2, lo.shape[0], of.values.outputs))
     kernel = _enclose_natural if natural else _enclose_each
-    scratch = program(of, lo.shape[0]) if natural else program(of)
+    if natural:  # the same few sizes, as what is not touched costs time too
+        boxes = min(BLOCK, 1 << (lo.shape[0] - 1).bit_length())
+        scratch = _scratch(of, boxes, threading.get_ident())
+    else:
+        scratch = program(of)
     kernel(scratch, np.ascontiguousarray(lo), np.ascontiguousarray(hi), lower, upper)
     return lower, upper

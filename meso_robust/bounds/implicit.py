@@ -28,6 +28,9 @@ from meso_robust.types import Floats
 
 PIECES = 8
 """Of the way, of each of which an integrand is enclosed; more only make the bounds tighter."""
+CUTS_OF_WAY = np.arange(PIECES + 1) / PIECES  # a power of 2: exact
+EVERY_PIECE = CUTS_OF_WAY[:-1], CUTS_OF_WAY[1:]
+MIDDLES = (0.5 * (EVERY_PIECE[0] + EVERY_PIECE[1]),) * 2
 ROUNDS = 4
 """How often what is left of a box is looked at again; effort, no proof rests on it."""
 CUTS = 6
@@ -168,7 +171,7 @@ def implicit(
     end_p = -residual_p / end_slope
     y_p = along(y) + (ca.jacobian(y, end) + ca.jacobian(y, total) @ by_end) @ end_p
     here = (p, c, end, way)
-    middles = _pieces(middle=True)[0].tolist()
+    middles = MIDDLES[0].tolist()
     sums = ca.vertcat(*(ca.substitute(integrand, way, at).T for at in middles))
     about = ca.substitute([residual, end_slope], [total], [ca.sum1(sums).T / PIECES])
     bend = ca.jacobian(ca.jacobian(integrand, way), way)  # each rate by the way alone
@@ -253,25 +256,18 @@ class _Rows:
         return _Rows(self.lo[rows], self.hi[rows], self.constants)
 
 
-def _pieces(middle: bool) -> tuple[Floats, Floats]:
-    cuts = np.arange(PIECES + 1) / PIECES  # a power of 2: exact
-    if middle:
-        at = 0.5 * (cuts[:-1] + cuts[1:])
-        return at, at
-    return cuts[:-1], cuts[1:]
-
-
 def _over_way(
     of: Bounded, rows: _Rows, end: tuple[Floats, Floats], *, middle: bool
 ) -> tuple[Floats, Floats]:
     """(rows, PIECES, results) enclosures on every piece of the way, or at its middle."""
-    count = rows.lo.shape[0]
-    low, high = _pieces(middle)
-    columns = rows.repeated(PIECES).columns(
-        (np.repeat(end[0], PIECES), np.repeat(end[1], PIECES)),
-        (np.tile(low, count), np.tile(high, count)),
-    )
-    lower, upper = enclose_many(of, *columns, natural=True)
+    count, inner = rows.lo.shape
+    known = inner + rows.constants.shape[1]
+    both = np.empty((2, count, PIECES, known + 2))
+    both[0, :, :, :inner], both[1, :, :, :inner] = rows.lo[:, None], rows.hi[:, None]
+    both[..., inner:known] = rows.constants[:, None, None]
+    both[0, :, :, known], both[1, :, :, known] = end[0][:, None], end[1][:, None]
+    both[0, :, :, -1], both[1, :, :, -1] = MIDDLES if middle else EVERY_PIECE
+    lower, upper = enclose_many(of, *both.reshape(2, count * PIECES, known + 2), natural=True)
     return lower.reshape(count, PIECES, -1), upper.reshape(count, PIECES, -1)
 
 
