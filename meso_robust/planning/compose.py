@@ -7,11 +7,12 @@ import math
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from enum import Enum
+from functools import partial
 
 from meso_robust.bounds import HALF_PI, Verdict
 from meso_robust.errors import NotApplicableError
 from meso_robust.planning.arrival import Arrival, across, arrive
-from meso_robust.planning.effort import EffortSpentError, limited
+from meso_robust.planning.effort import EffortSpentError, each, limited
 from meso_robust.planning.guided import guided
 from meso_robust.planning.last_push import leaves_goal, narrowed_first
 from meso_robust.planning.remedy import Remedy
@@ -214,8 +215,9 @@ def _suspected(task: Task, rules: Sequence[MoveRule], names: Sequence[str]) -> l
     borne = dict.fromkeys(names, 0.0)
     left = list(names)
     for share in ALONE:
-        setups = {name: setup_of(task, REDUCED[-1], apart={name: share}) for name in left}
-        left = [name for name in left if not _proved(rules, _in_the_open(setups[name]))]
+        setups = (setup_of(task, REDUCED[-1], apart={name: share}) for name in left)
+        proved = each(partial(_proved, rules), map(_in_the_open, setups))
+        left = [name for name, fine in zip(left, proved, strict=True) if not fine]
         borne |= dict.fromkeys(left, -share)
     return sorted((name for name in names if borne[name] < 0.0), key=lambda name: -borne[name])
 
@@ -361,8 +363,8 @@ def _in_any(
         return
     for first, state in _starts(setup, headings):
         here = replace(setup, start=state)
-        turned = (_turned(task, here, way.frame, headings, guide=guide) for way in ways)
-        found = [(*first, *rules) for rules in turned if rules is not None]
+        turned = partial(_turned, task, here, headings=headings, guide=guide)
+        found = [(*first, *rules) for rules in each(turned, (way.frame for way in ways)) if rules]
         yield from sorted(found, key=len)
         if found:
             return

@@ -7,9 +7,15 @@ computing time, so that other work on the machine does not change what is found.
 from __future__ import annotations
 
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
+from typing import TypeVar
+
+from meso_robust.copies import shared
+
+_T = TypeVar("_T")
+_R = TypeVar("_R")
 
 
 class EffortSpentError(Exception):
@@ -54,3 +60,39 @@ def spend() -> None:
     until = _until.get()
     if until is not None and time.process_time() > until:
         raise EffortSpentError
+
+
+def each(function: Callable[[_T], _R], items: Iterable[_T]) -> list[_R]:
+    """What a search finds for each item, side by side where copies of this process are allowed.
+
+    Parameters
+    ----------
+    function
+        The search; what it finds can be pickled.
+    items
+        What to search for.
+
+    Returns
+    -------
+    list
+        In the order of the items.
+
+    Raises
+    ------
+    EffortSpentError
+        One of the searches has taken as long as is left here.
+    """
+    until = _until.get()
+    left = None if until is None else until - time.process_time()
+
+    def within(item: _T) -> tuple[_R] | None:
+        try:
+            with limited(left):  # the clock of a copy begins anew
+                return (function(item),)
+        except EffortSpentError:
+            return None
+
+    found = shared(within, items)
+    if None in found:
+        raise EffortSpentError
+    return [one[0] for one in found if one is not None]

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import subprocess
+import sys
 from collections.abc import Sequence
 from typing import Any
 
@@ -10,9 +12,31 @@ import pytest
 from meso_robust.certificates.words import words
 from meso_robust.errors import NotApplicableError
 from meso_robust.planning import compose
-from meso_robust.planning.effort import EffortSpentError, limited, spend
+from meso_robust.planning.effort import EffortSpentError, each, limited, spend
 from tests.paper import paper_task
 
+COPIES = """
+import os, time
+from meso_robust import copies
+from meso_robust.planning.effort import EffortSpentError, each, limited, spend
+copies.allow()
+copies.threads = lambda: 2
+here, begun = os.getpid(), time.process_time()
+while time.process_time() < begun + 1.0:  # a copy's clock begins with none of this
+    pass
+
+def searched(k):
+    ends = time.process_time() + 0.6
+    while os.getpid() != here and time.process_time() < ends:
+        spend()
+    time.sleep(0.1)  # the copy gets one as well
+
+try:
+    with limited(0.2):
+        each(searched, range(3))
+except EffortSpentError:
+    print("spent in a copy")
+"""
 SCALE = 3  # of the arguments of `_rules`
 
 
@@ -28,6 +52,26 @@ def test_a_limit_within_another_is_no_longer() -> None:
         spend()
     with limited(1e6), limited(None):
         spend()
+
+
+def test_of_searches_side_by_side_none_is_lost_and_none_takes_longer() -> None:
+    with limited(1e6):
+        assert each(lambda k: None if k == 1 else 2 * k, range(4)) == [0, None, 4, 6]
+
+    def spends(_: int) -> None:
+        spend()
+
+    with limited(-1.0), pytest.raises(EffortSpentError):
+        each(spends, range(4))
+
+
+@pytest.mark.skipif(sys.platform in ("win32", "darwin"), reason="processes are not copied there")
+def test_the_limit_of_a_search_is_that_of_its_copies_too() -> None:
+    ended = subprocess.run(
+        [sys.executable, "-c", COPIES], capture_output=True, text=True, timeout=60, check=False
+    )
+    assert ended.stdout == "spent in a copy\n", ended.stderr
+    assert not ended.stderr
 
 
 def test_a_search_without_time_says_how_to_look_longer() -> None:
