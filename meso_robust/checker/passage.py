@@ -64,4 +64,4 @@ class Passage:
     guided: bool = False
     """Whether the part may touch the slot's side walls."""
     slips: bool = False
-    """Whether a tip that pushes alone may slip: poses on the way and forces are not bounded then."""
+    """Whether a tip that pushes alone may slip: forces are not bounded then."""

@@ -228,6 +228,8 @@ class _Case:
 
     def turning(self, at: Point) -> Pose:
         """The part when a share of the first tip's turn is done."""
+        if self.slip is not None:
+            return self.slipping(at)
         first, scene, turn = self.first(at), self.scene, self.turn(at)
         turned = self.path(at) - turn.angle
         now = turn.contact(turned)
@@ -235,19 +237,33 @@ class _Case:
         x, y = scene.from_travel(at, ahead - now.arm_x, scene.rise_end(at, self.side) - now.arm_y)
         return at["x"] + x, at["y"] + y, at["theta"] + turned
 
+    def slipping(self, at: Point) -> Pose:
+        """The same of a tip that may slip: it can be anywhere on its way in contact then."""
+        scene, angle, first = self.scene, self.path(at), self.first(at)
+        s, c = angle.sin_cos()
+        now = dataclasses.replace(first, c=c, s=s, d2=self.offset(at))
+        ahead = first.arm_x - self.travel(at) * at["progress"]
+        strayed = at["wander_x_now"] - at["wander_x"]
+        x, y = scene.from_travel(
+            at, ahead + strayed - now.arm_x, scene.rise_end(at, self.side) - now.arm_y
+        )
+        return at["x"] + x, at["y"] + y, at["theta"] + angle - scene.angle(at)
+
     def together(self, at: Point) -> Pose:
-        """The part when a share of the travel of both tips is still to come."""
-        scene, turn = self.scene, self.turn(at)
-        alone = turn.needed(_aligned(scene, at) - turn.angle)
+        """The part when a share of the travel of both tips is still to come, all of it at most if one slipped."""
+        scene, left, turn = self.scene, self.travel(at), self.turn(at)
+        if self.slip is None:
+            left = left - turn.needed(_aligned(scene, at) - turn.angle)
         x, y = self.place(at)
-        x, y = scene.from_travel(at, x + (self.travel(at) - alone) * at["share"], y)
+        x, y = scene.from_travel(at, x + left * at["share"], y)
         return at["x"] + x, at["y"] + y, _aligned_as_stated(scene, at)
 
     def swept(self, *, exact: bool) -> tuple[Sweep, Sweep]:
         """All poses while the first tip is alone, and while both push."""
-        box = {**self.box, "share": UNIT}
+        box, exact = {**self.box, "share": UNIT}, exact and self.slip is None
+        turning = box if self.slip is None else {**box, "progress": UNIT}
         return (
-            Sweep(self.turning, box, "share", exact=exact),
+            Sweep(self.turning, turning, "share", exact=exact),
             Sweep(self.together, box, "share", exact=exact),
         )
 

@@ -76,8 +76,6 @@ def clear_of_walls(scene: Scene, passage: Passage, given: Given) -> tuple[Requir
     """
     if not given.blocks:
         return ()
-    if passage.slips:
-        raise Refused(named(Must.PART_CLEAR_OF_WALLS), "proved", "not of a tip that may slip")
     sweeps, ways = (_rest(scene), *passage.swept), _ways(scene)
     radius = given.radius[1].max(given.passive_radius[1])
     certain = [box for sweep in sweeps if sweep.exact for box in _nominal(scene, sweep)]

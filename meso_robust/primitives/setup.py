@@ -209,11 +209,11 @@ class Setup:
     def may_slip(self) -> bool:
         """Whether a straightening may begin with a tip that slips.
 
-        Forces and the poses on the way are not bounded closely then, so neither a cap nor a wall may be
-        there; and it is looked for only where tips may differ so much that an edge on both leans.
+        Forces are not bounded closely then, so no cap may be there; and it is looked for only where tips
+        may differ so much that an edge on both leans.
         """
         leans = self.uncertainty.tip_radius.width > LEANS * self.spacing.mid
-        return leans and self.largest_force is None and not self.blocks
+        return leans and self.largest_force is None
 
     @property
     def tolerance(self) -> Tolerance:

@@ -14,8 +14,8 @@ from flint import arb, ctx
 from meso_robust.certificates.document import step_document
 from meso_robust.checker.chain import holds_side
 from meso_robust.checker.document import ObligationDocument, RuleDocument, StepDocument
-from meso_robust.checker.ids import place
-from meso_robust.checker.inputs import Given, PoseBox, given
+from meso_robust.checker.ids import Must, place
+from meso_robust.checker.inputs import PoseBox, given
 from meso_robust.checker.moves import verify_move
 from meso_robust.checker.numbers import box
 from meso_robust.checker.obligations import compare
@@ -79,7 +79,7 @@ def test_the_push_is_verified_as_the_promise_states_it() -> None:
 
 def test_runs_with_slipping_tips_end_where_the_checker_says() -> None:
     setup, step = promised.proved()
-    end, _ = promised.runs(setup, step)
+    end, *_ = promised.runs(setup, step)
     post = verified().post
     low, high = ([float(getattr(post, n)[k]) for n in ("x", "y", "theta")] for k in (0, 1))
     room = np.array([UM, UM, 0.001])  # a step: the second tip is met only to its length
@@ -160,12 +160,34 @@ def test_less_friction_than_the_slip_is_bounded_for_is_refused() -> None:
         verify_move(stated()[0], told("pre_exact"), given(Task.from_dict(values)), None)
 
 
-@pytest.mark.parametrize("premise", ["force", "walls"])
-def test_neither_forces_nor_walls_are_judged_of_a_tip_that_slips(premise: str) -> None:
-    known: Given = given(task(REAL))
-    if premise == "force":
-        known = dataclasses.replace(known, largest_force=arb(1.0), drag=arb(1.0))
-    else:  # far off the way
-        known = dataclasses.replace(known, blocks=(((arb(1.0), arb(1.1)), (arb(1.0), arb(1.1))),))
+def test_forces_are_not_judged_of_a_tip_that_slips() -> None:
+    known = dataclasses.replace(given(task(REAL)), largest_force=arb(1.0), drag=arb(1.0))
     with pytest.raises(Refused, match="not of a tip that may slip"):
         verify_move(stated()[0], told("pre_exact"), known, None)
+
+
+def beside(y_um: float, x_um: tuple[float, float] = (-8000.0, 3000.0)) -> Passage:
+    """The push with a wall along it whose lower side is at this y."""
+    low, high = x_um
+    wall = (arb(low) / 10**6, arb(high) / 10**6), (arb(y_um) / 10**6, arb(y_um + 100) / 10**6)
+    known = dataclasses.replace(given(task(REAL)), blocks=(wall,))
+    return verify_move(stated()[0], told("pre_exact"), known, None)[1]
+
+
+def test_a_wall_beside_the_way_of_a_tip_that_slips() -> None:
+    """Proved 60 um beyond the highest place of a corner in runs, refused where runs meet the wall."""
+    *_, passed = promised.runs(*promised.proved())
+    x, y, theta = passed[..., None].transpose(2, 0, 1, 3)
+    along, across = np.array([[808, -808, -808, 808], [418.5, 418.5, -418.5, -418.5]]) * UM
+    high = y + np.sin(theta) * along + np.cos(theta) * across
+    assert 680 * UM < high.max() < 690 * UM
+    found = beside(750.0)
+    assert found.slips
+    assert Must.PART_CLEAR_OF_WALLS in {one.name.id for one in found.requirements}
+    # a wall that a corner passes under only once the tip has come halfway
+    half = high[len(high) // 2]
+    highest = np.unravel_index(half.argmax(), half.shape)
+    there = (x + np.cos(theta) * along - np.sin(theta) * across)[len(high) // 2][highest] / UM
+    for met in ({"y_um": 680.0}, {"y_um": half.max() / UM - 5.0, "x_um": (there - 5, there + 5)}):
+        with pytest.raises(Refused, match="clear of the slot's walls"):
+            beside(**met)

@@ -92,8 +92,8 @@ class Part:
         return np.column_stack([along[:, None] * a + out[:, None] * n, omega]), slide
 
 
-def runs(setup: Setup, step: Step) -> tuple[Floats, Floats]:
-    """Poses at the end, and how far the first tip has slipped."""
+def runs(setup: Setup, step: Step) -> tuple[Floats, Floats, Floats]:
+    """Poses at the end, how far the first tip has slipped, and poses on the way, (instants, runs, 3)."""
     draw, u, rule = Draws(RUNS, 5), setup.uncertainty, step.rule
     part = Part(
         pose=np.stack([draw(PRE.x), draw(PRE.y), draw(PRE.theta)], 1),
@@ -117,8 +117,8 @@ def runs(setup: Setup, step: Step) -> tuple[Floats, Floats]:
     left = left - ahead
     assert np.all(part.gap(tips[1], radii[1]) > 0.0)
     slipped, open_ = np.zeros(RUNS), np.ones(RUNS, dtype=bool)
-    length = 4000 * UM / STEPS
-    for _ in range(STEPS):
+    length, passed = 4000 * UM / STEPS, []
+    for k in range(STEPS):
         first, _ = part.moved(tips[0], course, mu)
         middle = Part(
             part.pose + 0.5 * length * first, part.depth, part.kappa, part.drag, part.film
@@ -129,6 +129,8 @@ def runs(setup: Setup, step: Step) -> tuple[Floats, Floats]:
         slipped += step_by * slide
         tips = [tip + step_by[:, None] * course for tip in tips]
         left = left - step_by
+        if k % 50 == 0:
+            passed.append(part.pose)
         open_ &= part.gap(tips[1], radii[1]) > 0.0
         if not open_.any():
             break
@@ -136,18 +138,21 @@ def runs(setup: Setup, step: Step) -> tuple[Floats, Floats]:
     assert np.all(left > 0.0)
     end = part.pose.copy()
     end[:, :2] += left[:, None] * course
-    return end, slipped
+    return end, slipped, np.array(passed)
 
 
 def test_every_run_ends_where_it_is_promised_although_the_first_tip_slips() -> None:
     setup, step = proved()
     assert step.verdict.word == "PROVED"
     assert step.post is not None
-    end, slipped = runs(setup, step)
+    end, slipped, passed = runs(setup, step)
     # so far that the ends would not be in a box for a contact that sticks
     assert np.max(slipped) > 40 * UM
     low, high = step.post.ends
     room = np.array([1 * UM, 1 * UM, 0.001])  # a step: the second tip is met only to its length
+    boxes, some = np.array([knot.box.ends for knot in step.tube]), passed[:, :, None]
+    inside = (some >= boxes[:, 0] - room) & (some <= boxes[:, 1] + room)
+    assert inside.all(axis=3).any(axis=2).all()
     assert np.all(end >= low - room)
     assert np.all(end <= high + room)
 
@@ -158,7 +163,7 @@ def test_what_has_slipped_is_bounded_by_what_is_stated() -> None:
     most = bounded.proof.box["creep_most"].hi
     lean = math.cos(PRE.theta.lo - HALF_PI.mid - 0.2 * DEG)
     lean = lean**3 + lean / 256
-    _, slipped = runs(setup, step)
+    _, slipped, _ = runs(setup, step)
     assert np.max(slipped) < most * lean < 2.0 * np.max(slipped)
 
 
