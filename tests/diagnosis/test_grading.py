@@ -30,6 +30,7 @@ from meso_robust.diagnosis.grading import (
     _verdict,
     _with_more,
     graded,
+    of_one_cause,
     sized,
 )
 from meso_robust.diagnosis.refit import Refit
@@ -234,15 +235,16 @@ def stood(
     sums: dict[tuple[str, ...], list[float]],
     floor: float = 100.0,
     lost: tuple[tuple[str, ...], ...] = (),
+    nearly: tuple[tuple[str, ...], ...] = (),
 ) -> _Judge:
-    """A judge of eight recordings, a fold each, that has predicted some sets, some of them in vain."""
+    """A judge of eight recordings, a fold each, that has predicted some sets, some of them in vain or nearly so."""
     made = SimpleNamespace(
         floor=np.full(8, floor),
         sums=lambda names: np.array(sums[names]),
         explainable=sum(sums[()]) - 8 * floor,
         share=lambda names: (sum(sums[()]) - sum(sums[names])) / (sum(sums[()]) - 8 * floor),
         with_part=lambda whole, names: None,
-        carries=lambda names: names not in lost,
+        carries=lambda names, share=0.0: names not in lost and (share > 0.0 or names not in nearly),
         lessens=lambda names: sum(sums[names][:3]) < sum(sums[()][:3]),
         bench=SimpleNamespace(fold=np.arange(8), count=8),
     )
@@ -326,6 +328,52 @@ def test_a_set_carries_over_if_neither_place_nor_turn_gets_worse(
     before, after = (replace(plain, squares=squares) for squares in (of, own))
     judge = _Judge(bench, {(): before, ("a",): after}, np.zeros(8))
     assert judge.carries(("a",)) is carries
+
+
+@pytest.mark.parametrize(("lost", "carries"), [(0.0, False), (0.01, False), (0.1, True)])
+def test_a_small_part_of_what_is_explained_elsewhere_may_be_lost(
+    late: Diagnosis, lost: float, carries: bool
+) -> None:
+    """Two recordings of eight lose a fifth of their own, some hundredths of all that is to be explained."""
+    bench, plain = late.grade.bench, late.grade.plain
+    held = bench.held_out[:, None, None]
+    of = np.where(bench.seen, 30.0 * np.where(held, 1.0, 0.7), 0.0)
+    own = of * np.where(held, 1.2, 0.1)
+    before, after = (replace(plain, squares=squares) for squares in (of, own))
+    judge = _Judge(bench, {(): before, ("a",): after}, np.zeros(8))
+    assert judge.carries(("a",), lost) is carries
+
+
+def test_a_set_that_nearly_carries_over_explains_a_part_if_it_explains_most() -> None:
+    """Where none carries over; and its rivals are asked no more."""
+    some = [100.0, 95.0, 5000.0, 104.0, 98.0, 103.0, 4000.0, 97.0]
+    a, b = stated("a", gain=1000.0), stated("b", gain=999.0)
+    sums = {(): PLAIN, ("a",): NOISE, ("b",): NOISE}
+    judge = stood(sums, nearly=(("a",),))
+    assert _holding(judge, contest(a), (a,), 0) == (a, False)
+    assert _holding(judge, contest(a, b), (a, b), 0) == (b, True)
+    both = stood(sums, nearly=(("a",), ("b",)))
+    assert _answer(both, contest(a, b), (a, b), 0) == (a, (b,), False)
+    half = [*NOISE[:2], 2500.0, *NOISE[3:]]
+    more = stood(sums | {("a",): half}, nearly=(("a",), ("b",)))
+    assert _holding(more, contest(a, b), (a, b), 0) == (b, False)
+    less = stood({(): PLAIN, ("a",): some}, nearly=(("a",),))
+    assert _holding(less, contest(a), (a,), 0) == (None, True)
+
+
+def test_laws_of_one_cause_leave_open_which_of_them_it_is() -> None:
+    """A contact that strengthens with its age falls with the speed where it slips steadily."""
+    ageing, slowing = ("breakaway_friction",), ("stribeck_friction",)
+    assert of_one_cause(ageing, (stated(*slowing, gain=1.0),))
+    assert not of_one_cause(ageing, ())
+    assert not of_one_cause(ageing, (stated(*slowing, gain=1.0), stated("backlash", gain=1.0)))
+    assert not of_one_cause(ageing, (stated("backlash", *slowing, gain=1.0),))
+    assert of_one_cause(("backlash", *ageing), (stated("backlash", *slowing, gain=1.0),))
+    rival = (stated(*slowing, gain=1.0),)
+    sure = Explained(share=0.97, low=0.9, high=1.0, folds=6)
+    assert _verdict(True, sure, rival) == "ambiguous"
+    assert _verdict(True, sure, rival, same_cause=True) == "partial"
+    assert _verdict(True, sure, (), same_cause=False) == "named"
 
 
 def test_what_helps_on_the_whole_only_explains_a_part() -> None:
