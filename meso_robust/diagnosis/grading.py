@@ -596,7 +596,10 @@ def _holding(
     ]
     for earned in sorted(filter(None, able), key=lambda one: -judge.share(one.effects)):
         told = _explained(judge, earned.effects, seed)
-        if _tells(told) and told.share >= _MOST_OF_ALL:
+        mostly = [one for one in pool if judge.share(one.effects) >= _MOST_OF_ALL]
+        # unless another that explains most as well has nothing in common with it
+        alone = all(set(one.effects) & set(earned.effects) for one in mostly)
+        if _tells(told) and told.share >= _MOST_OF_ALL and alone:
             return earned, False
     for one in near:
         # one effect that explains most of the whole tells much, though of a push or two it gets the turn wrong

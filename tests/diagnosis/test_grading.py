@@ -345,20 +345,27 @@ def test_a_small_part_of_what_is_explained_elsewhere_may_be_lost(
 
 
 def test_a_set_that_nearly_carries_over_explains_a_part_if_it_explains_most() -> None:
-    """Where none carries over; and its rivals are asked no more."""
-    some = [100.0, 95.0, 5000.0, 104.0, 98.0, 103.0, 4000.0, 97.0]
-    a, b = stated("a", gain=1000.0), stated("b", gain=999.0)
-    sums = {(): PLAIN, ("a",): NOISE, ("b",): NOISE}
-    judge = stood(sums, nearly=(("a",),))
-    assert _holding(judge, contest(a), (a,), 0) == (a, False)
-    assert _holding(judge, contest(a, b), (a, b), 0) == (b, True)
-    both = stood(sums, nearly=(("a",), ("b",)))
-    assert _answer(both, contest(a, b), (a, b), 0) == (a, (b,), False)
+    """Where none carries over, and no other that explains most has nothing in common with it; its rivals are asked no more."""
     half = [*NOISE[:2], 2500.0, *NOISE[3:]]
-    more = stood(sums | {("a",): half}, nearly=(("a",), ("b",)))
-    assert _holding(more, contest(a, b), (a, b), 0) == (b, False)
-    less = stood({(): PLAIN, ("a",): some}, nearly=(("a",),))
-    assert _holding(less, contest(a), (a,), 0) == (None, True)
+    some = [100.0, 95.0, 5000.0, 104.0, 98.0, 103.0, 4000.0, 97.0]
+    a, ab, ac = ("a",), ("a", "b"), ("a", "c")
+    alone, both, other = (stated(*names, gain=1000.0) for names in (a, ab, ac))
+    sums = {(): PLAIN, a: NOISE, ("b",): PLAIN, ("c",): PLAIN, ab: NOISE, ac: NOISE}
+    assert _holding(stood(sums, nearly=(a,)), contest(alone), (alone,), 0) == (alone, False)
+    assert _holding(stood(sums | {a: some}, nearly=(a,)), contest(alone), (alone,), 0) == (
+        None,
+        True,
+    )
+    weak = sums | {a: [2900.0, *PLAIN[1:]]}
+    pool, asked = (both, other), contest(both, other)
+    assert _holding(stood(weak, nearly=(ab,)), asked, pool, 0) == (other, True)
+    nearly = stood(weak | {ab: half}, nearly=(ab, ac))
+    assert _holding(nearly, asked, pool, 0) == (other, False)
+    nearly = stood(weak, nearly=(ab, ac))
+    assert _answer(nearly, asked, pool, 0) == (both, (other,), False)
+    cd = stated("c", "d", gain=999.0)
+    apart = stood(weak | {("d",): PLAIN, cd.effects: half}, nearly=(ab, cd.effects))
+    assert _holding(apart, contest(both, cd), (both, cd), 0) == (None, True)
 
 
 def test_laws_of_one_cause_leave_open_which_of_them_it_is() -> None:
