@@ -458,6 +458,8 @@ def _with_more(
     that explains little of the whole is told apart, and is the last.
     """
     bench, predicted = judge.bench, judge.seen
+    if not judge.carries(chosen.effects) and judge.carries(chosen.effects, _FOLD_SHARE):
+        return chosen, (), judge  # what nearly carries over is no ground to build on
     while _is_left(judge, chosen.effects, matters) and len(chosen.effects) < _LARGEST:
         offered = _predicted(bench, predicted, tuple(naming.further(chosen)))
         judge = _Judge(bench, predicted, _floor(bench, predicted, reach))

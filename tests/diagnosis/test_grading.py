@@ -507,6 +507,17 @@ def test_beside_a_strong_effect_a_further_one_is_asked_for(
     assert extended(late, monkeypatch, **more, a_b_c=(2.0, 9.0)) == ("a", "b", "(c)")
 
 
+def test_beside_what_nearly_carries_over_none_is_asked_for(
+    late: Diagnosis, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    held = late.grade.bench.held_out
+    plain = np.where(held, 10.0, 1000.0)
+    for level, told in ((10.0, ("a", "(b)")), (15.0, ("a",))):
+        left = np.where(held, level, 10.0)
+        given = {"": (plain, 9.0), "a": (left, 9.0), "a_b": (5.0, 9.0)}
+        assert extended(late, monkeypatch, **given) == told
+
+
 def test_a_further_effect_takes_away_much_everywhere_by_a_sure_amount_that_matters(
     late: Diagnosis, monkeypatch: pytest.MonkeyPatch
 ) -> None:
