@@ -198,7 +198,10 @@ def _why(found: Diagnosis) -> str:
         return "no effect of the catalogue helps on recordings left out of the fit" + reach
     names, share = " + ".join(grade.chosen.effects), 100.0 * grade.explained.share
     if found.verdict == "ambiguous":
-        return f"{names} explains the recordings, and so does {_others(grade)}; they cannot be distinguished"
+        others = " or ".join(" + ".join(one.effects) for one in grade.rivals)
+        return (
+            f"{names} explains the recordings, and so does {others}; they cannot be distinguished"
+        )
     said = (
         f"{names} explains {share:.0f} % of the explainable error of recordings left out of the fit"
     )
@@ -210,16 +213,8 @@ def _why(found: Diagnosis) -> str:
     return f"{said}: {_lacking(grade, grade.explained)}{reach}"
 
 
-def _others(grade: Grade) -> str:
-    return " or ".join(" + ".join(one.effects) for one in grade.rivals)
-
-
 def _lacking(grade: Grade, explained: Explained) -> str:
     """Why a set that explains a part is not named."""
-    if grade.rivals:
-        return (
-            f"but so does {_others(grade)}, another law of the same cause; which it is remains open"
-        )
     if grade.unsure:
         return f"but the recordings do not agree on how large {' and '.join(grade.unsure)} is"
     if grade.beside:

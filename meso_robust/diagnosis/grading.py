@@ -53,7 +53,7 @@ _DOWN_TO = 1.2  # mean square over that of noise and starts, up to which a set i
 _EQUAL_SHARE = 0.9  # of the best set's share, from which on a rival may explain as much
 _EQUAL_NATS = 5.0  # tempered, up to which recordings do not tell two sets apart
 _TEMPERED = 1.5  # squared error over the floor, from which on a likelihood is overconfident
-_MOST_OF_ALL = 0.5  # of the explainable error, that a set explains which fails to carry over
+_MOST_OF_ALL = 0.5  # of the explainable error, that one effect explains which fails to carry over
 _MOSTLY = 0.5  # of what is left, from which on a sway is where it is
 _RESAMPLED = 2000
 _INTERVAL = 0.9
@@ -75,9 +75,6 @@ Names = tuple[str, ...]
 
 SPECIAL_CASE = {"camera_anisotropy": "camera_scale", "uneven_support": "dry_friction"}
 """Of a law with more parameters: one that explains as much is the answer, and the general one no rival."""
-ONE_CAUSE = frozenset({"breakaway_friction", "stribeck_friction"})
-"""Laws of one cause, a contact that strengthens with its age. By the ageing law a' = 1 − a v/D a steady slip has the age
-D/v: friction then falls with the speed because it grows with the age (A. Ruina 1983, doi:10.1029/JB088iB12p10359)."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -153,7 +150,7 @@ class Grade:
     chosen
         Candidate of that set.
     rivals
-        Sets that explain as much; with a verdict of partial they are other laws of the same cause.
+        Sets that explain as much.
     explained
         None where nothing is to be explained.
     shares
@@ -213,17 +210,16 @@ class _Judge:
         share = float(np.sum(self.sums(()) - self.sums(names))) / self.explainable
         return min(share, 1.0)  # more than all is rounding: the floor lies below every set
 
-    def carries(self, names: Names, lost: float = 0.0) -> bool:
+    def carries(self, names: Names) -> bool:
         """Whether a set predicts recordings that it was not chosen by no worse, in place and in turn.
 
-        By no more than noise makes, or a law that is not quite the true one, or a share of the explainable error.
+        By no more than noise makes, or a law that is not quite the true one.
         """
         rows = self.bench.held_out
         count = float(self.bench.seen[rows].sum())
         plain, own = (self.seen[one].squares[rows].sum(axis=(0, 1)) for one in ((), names))
         loss = own - plain
         least = max(_CHANCE * float(np.sqrt(2.0 * count)), _MEMBER_SHARE * float(plain.sum()))
-        least = max(least, lost * self.explainable)
         return max(float(loss[0] + loss[1]), float(loss[2])) <= least
 
     def lessens(self, names: Names) -> bool:
@@ -304,9 +300,7 @@ def graded(
     stage = _unnamed_stage(judge, effects, where)
     cells = _cells(tables, effects, stage) if missing else ()
     return Grade(
-        verdict=_verdict(
-            missing, explained, rivals, everywhere and not beside, of_one_cause(effects, rivals)
-        ),
+        verdict=_verdict(missing, explained, rivals, everywhere and not beside),
         bench=bench,
         plain=plain,
         extended=predicted[effects] if effects else None,
@@ -371,25 +365,15 @@ def _verdict(
     explained: Explained | None,
     rivals: tuple[Candidate, ...],
     everywhere: bool = True,
-    same_cause: bool = False,
 ) -> Verdict:
     if not matters:
         return "consistent"
     if explained is None or not _tells(explained):
         return "unknown"
-    if rivals and not same_cause:
+    if rivals:
         return "ambiguous"
     sure = explained.share >= NAMED and explained.low >= SURE
-    return "named" if everywhere and sure and not rivals else "partial"
-
-
-def of_one_cause(effects: Names, rivals: Sequence[Candidate]) -> bool:
-    """Whether sets differ by laws of one cause only: then the cause is told, and which of its laws it is remains open."""
-
-    def causes(names: Names) -> frozenset[str]:
-        return frozenset(min(ONE_CAUSE) if name in ONE_CAUSE else name for name in names)
-
-    return bool(rivals) and all(causes(one.effects) == causes(effects) for one in rivals)
+    return "named" if everywhere and sure else "partial"
 
 
 def _tells(explained: Explained) -> bool:
@@ -466,8 +450,6 @@ def _with_more(
     that explains little of the whole is told apart, and is the last.
     """
     bench, predicted = judge.bench, judge.seen
-    if not judge.carries(chosen.effects) and judge.carries(chosen.effects, _FOLD_SHARE):
-        return chosen, (), judge  # what nearly carries over is no ground to build on
     while _is_left(judge, chosen.effects, matters) and len(chosen.effects) < _LARGEST:
         offered = _predicted(bench, predicted, tuple(naming.further(chosen)))
         judge = _Judge(bench, predicted, _floor(bench, predicted, reach))
@@ -599,18 +581,6 @@ def _holding(
         earned = _earning(judge, naming, one, _MEMBER_SHARE, fold_share=np.inf)
         if earned is not None and _tells(_explained(judge, earned.effects, seed)):
             return earned, False
-    # recordings held out that the plain model predicts already have nothing to gain by a law that explains the others
-    able = [
-        _earning(judge, naming, one, _MEMBER_SHARE, fold_share=np.inf, lost=_FOLD_SHARE)
-        for one in near
-    ]
-    for earned in sorted(filter(None, able), key=lambda one: -judge.share(one.effects)):
-        told = _explained(judge, earned.effects, seed)
-        mostly = [one for one in pool if judge.share(one.effects) >= _MOST_OF_ALL]
-        # unless another that explains most as well has nothing in common with it
-        alone = all(set(one.effects) & set(earned.effects) for one in mostly)
-        if _tells(told) and told.share >= _MOST_OF_ALL and alone:
-            return earned, False
     for one in near:
         # one effect that explains most of the whole tells much, though of a push or two it gets the turn wrong
         most = len(one.effects) == 1 and judge.share(one.effects) >= _MOST_OF_ALL
@@ -630,7 +600,6 @@ def _earning(
     least: float,
     *,
     fold_share: float = _FOLD_SHARE,
-    lost: float = 0.0,
 ) -> Candidate | None:
     """The set without members that do not earn their place in every fold; None if none does, or carries over."""
     for member in whole.effects:
@@ -643,10 +612,10 @@ def _earning(
             continue
         smaller = _listed(naming, rest)
         if smaller is not None:
-            return _earning(judge, naming, smaller, least, fold_share=fold_share, lost=lost)
+            return _earning(judge, naming, smaller, least, fold_share=fold_share)
         if not rest:
             return None
-    return whole if judge.carries(whole.effects, lost) else None
+    return whole if judge.carries(whole.effects) else None
 
 
 def _holds(general: Candidate, special: Candidate) -> bool:
@@ -659,9 +628,7 @@ def _equal(judge: _Judge, chosen: Candidate, rival: Candidate, seed: int) -> boo
     """Whether another set, neither part nor whole of the chosen one, explains as much, and carries over."""
     if _holds(rival, chosen) or set(rival.effects) <= set(chosen.effects):
         return False
-    # a rival is asked no more than the chosen set is
-    lost = 0.0 if judge.carries(chosen.effects) else _FOLD_SHARE
-    if not judge.carries(rival.effects, lost) or _behind(judge, chosen, rival, seed):
+    if not judge.carries(rival.effects) or _behind(judge, chosen, rival, seed):
         return False
     if judge.share(rival.effects) < _EQUAL_SHARE * judge.share(chosen.effects):
         return False

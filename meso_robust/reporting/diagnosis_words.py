@@ -76,8 +76,7 @@ def _finding(document: DiagnosisDocument) -> str:
     if document.verdict == "ambiguous":
         return f"{' or '.join(sets(document))}{explained_words(document)}"
     if document.verdict in ("named", "partial"):
-        laws = "".join(f" (or {set_words(names)})" for names in document.ambiguous_with)
-        return f"{effects_words(document)}{laws}{explained_words(document)}"
+        return f"{effects_words(document)}{explained_words(document)}"
     spans = document.mismatch.where
     where = span_words(spans[0]) if spans else "nowhere in particular"
     return f"no effect of the catalogue explains it; largest in {where}"

@@ -206,14 +206,6 @@ def test_several_answers_are_all_given(late: Diagnosis) -> None:
     assert values["next_experiment"]["why"]
 
 
-def test_another_law_of_the_same_cause_is_told_beside_a_part(late: Diagnosis) -> None:
-    assert late.naming is not None
-    one, two = late.naming.candidates[:2]
-    values = written(regraded(late, verdict="partial", chosen=one, rivals=(two,)))
-    assert values["ambiguous_with"] == [list(two.effects)]
-    assert f"but so does {' + '.join(two.effects)}, another law of the same cause" in values["why"]
-
-
 def test_without_an_answer_nothing_is_claimed_of_the_best(late: Diagnosis) -> None:
     assert late.naming is not None
     assert late.grade.explained is not None

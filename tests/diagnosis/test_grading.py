@@ -31,7 +31,6 @@ from meso_robust.diagnosis.grading import (
     _verdict,
     _with_more,
     graded,
-    of_one_cause,
     sized,
 )
 from meso_robust.diagnosis.refit import Refit
@@ -240,16 +239,15 @@ def stood(
     sums: dict[tuple[str, ...], list[float]],
     floor: float = 100.0,
     lost: tuple[tuple[str, ...], ...] = (),
-    nearly: tuple[tuple[str, ...], ...] = (),
 ) -> _Judge:
-    """A judge of eight recordings, a fold each, that has predicted some sets, some of them in vain or nearly so."""
+    """A judge of eight recordings, a fold each, that has predicted some sets, some of them in vain."""
     made = SimpleNamespace(
         floor=np.full(8, floor),
         sums=lambda names: np.array(sums[names]),
         explainable=sum(sums[()]) - 8 * floor,
         share=lambda names: (sum(sums[()]) - sum(sums[names])) / (sum(sums[()]) - 8 * floor),
         with_part=lambda whole, names: None,
-        carries=lambda names, share=0.0: names not in lost and (share > 0.0 or names not in nearly),
+        carries=lambda names: names not in lost,
         lessens=lambda names: sum(sums[names][:3]) < sum(sums[()][:3]),
         bench=SimpleNamespace(fold=np.arange(8), count=8),
     )
@@ -333,59 +331,6 @@ def test_a_set_carries_over_if_neither_place_nor_turn_gets_worse(
     before, after = (replace(plain, squares=squares) for squares in (of, own))
     judge = _Judge(bench, {(): before, ("a",): after}, np.zeros(8))
     assert judge.carries(("a",)) is carries
-
-
-@pytest.mark.parametrize(("lost", "carries"), [(0.0, False), (0.01, False), (0.1, True)])
-def test_a_small_part_of_what_is_explained_elsewhere_may_be_lost(
-    late: Diagnosis, lost: float, carries: bool
-) -> None:
-    """Two recordings of eight lose a fifth of their own, some hundredths of all that is to be explained."""
-    bench, plain = late.grade.bench, late.grade.plain
-    held = bench.held_out[:, None, None]
-    of = np.where(bench.seen, 30.0 * np.where(held, 1.0, 0.7), 0.0)
-    own = of * np.where(held, 1.2, 0.1)
-    before, after = (replace(plain, squares=squares) for squares in (of, own))
-    judge = _Judge(bench, {(): before, ("a",): after}, np.zeros(8))
-    assert judge.carries(("a",), lost) is carries
-
-
-def test_a_set_that_nearly_carries_over_explains_a_part_if_it_explains_most() -> None:
-    """Where none carries over, and no other that explains most has nothing in common with it; its rivals are asked no more."""
-    half = [*NOISE[:2], 2500.0, *NOISE[3:]]
-    some = [100.0, 95.0, 5000.0, 104.0, 98.0, 103.0, 4000.0, 97.0]
-    a, ab, ac = ("a",), ("a", "b"), ("a", "c")
-    alone, both, other = (stated(*names, gain=1000.0) for names in (a, ab, ac))
-    sums = {(): PLAIN, a: NOISE, ("b",): PLAIN, ("c",): PLAIN, ab: NOISE, ac: NOISE}
-    assert _holding(stood(sums, nearly=(a,)), contest(alone), (alone,), 0) == (alone, False)
-    assert _holding(stood(sums | {a: some}, nearly=(a,)), contest(alone), (alone,), 0) == (
-        None,
-        True,
-    )
-    weak = sums | {a: [2900.0, *PLAIN[1:]]}
-    pool, asked = (both, other), contest(both, other)
-    assert _holding(stood(weak, nearly=(ab,)), asked, pool, 0) == (other, True)
-    nearly = stood(weak | {ab: half}, nearly=(ab, ac))
-    assert _holding(nearly, asked, pool, 0) == (other, False)
-    nearly = stood(weak, nearly=(ab, ac))
-    assert _answer(nearly, asked, pool, 0) == (both, (other,), False)
-    cd = stated("c", "d", gain=999.0)
-    apart = stood(weak | {("d",): PLAIN, cd.effects: half}, nearly=(ab, cd.effects))
-    assert _holding(apart, contest(both, cd), (both, cd), 0) == (None, True)
-
-
-def test_laws_of_one_cause_leave_open_which_of_them_it_is() -> None:
-    """A contact that strengthens with its age falls with the speed where it slips steadily."""
-    ageing, slowing = ("breakaway_friction",), ("stribeck_friction",)
-    assert of_one_cause(ageing, (stated(*slowing, gain=1.0),))
-    assert not of_one_cause(ageing, ())
-    assert not of_one_cause(ageing, (stated(*slowing, gain=1.0), stated("backlash", gain=1.0)))
-    assert not of_one_cause(ageing, (stated("backlash", *slowing, gain=1.0),))
-    assert of_one_cause(("backlash", *ageing), (stated("backlash", *slowing, gain=1.0),))
-    rival = (stated(*slowing, gain=1.0),)
-    sure = Explained(share=0.97, low=0.9, high=1.0, folds=6)
-    assert _verdict(True, sure, rival) == "ambiguous"
-    assert _verdict(True, sure, rival, same_cause=True) == "partial"
-    assert _verdict(True, sure, (), same_cause=False) == "named"
 
 
 def test_what_helps_on_the_whole_only_explains_a_part() -> None:
@@ -510,17 +455,6 @@ def test_beside_a_strong_effect_a_further_one_is_asked_for(
     more = {"a": (400.0, 9.0), "a_b": (40.0, 9.0)}
     assert extended(late, monkeypatch, **more) == ("a", "b")
     assert extended(late, monkeypatch, **more, a_b_c=(2.0, 9.0)) == ("a", "b", "(c)")
-
-
-def test_beside_what_nearly_carries_over_none_is_asked_for(
-    late: Diagnosis, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    held = late.grade.bench.held_out
-    plain = np.where(held, 10.0, 1000.0)
-    for level, told in ((10.0, ("a", "(b)")), (15.0, ("a",))):
-        left = np.where(held, level, 10.0)
-        given = {"": (plain, 9.0), "a": (left, 9.0), "a_b": (5.0, 9.0)}
-        assert extended(late, monkeypatch, **given) == told
 
 
 def test_a_further_effect_takes_away_much_everywhere_by_a_sure_amount_that_matters(

@@ -99,8 +99,6 @@ def test_the_answer_is_one_sentence_that_a_laboratory_can_act_on() -> None:
     assert answer(document("partial")) == (
         f"{dry} explains 55 % [49, 60] of an error of 5.21 µm; {LEFT}; {next_one}"
     )
-    open_law = document("partial").model_copy(update={"ambiguous_with": (("stribeck_friction",),)})
-    assert answer(open_law).startswith(f"{dry} (or stribeck_friction) explains 55 %")
     assert answer(document("consistent")) == (
         "rho_um2 376900 [371000, 383000] µm², mu 0.331 [0.32, 0.343]; predictions are off by "
         "0.52 µm and 0.031°; 0.74 µm matter"
