@@ -42,6 +42,14 @@ class TestCopies:
         )
         assert ended.stdout.split("\n")[:2] == ["True 3", "[]"], ended.stderr
 
+    def test_what_is_shared_within_shared_work_is_not_shared_again(self) -> None:
+        """Each process has a core; what it works at takes no thread of another's."""
+        ended = said(
+            "def work(_):\n    time.sleep(0.02)\n    return tuple(kernels._threads)\n"
+            "print(set(shared(work, range(9))))"
+        )
+        assert ended.stdout.strip() == "{(1,)}", ended.stderr
+
     def test_an_error_is_told_where_it_was_asked_for(self) -> None:
         ended = said(
             "def fails(k):\n    time.sleep(0.02)\n    return 1 // (k - 7)\nshared(fails, range(9))"

@@ -11,12 +11,15 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from contextlib import suppress
+from dataclasses import dataclass, fields, replace
 from math import factorial
+from typing import Any
 
 import numpy as np
 from scipy.stats import norm, t as student
 
+from meso_robust.copies import shared
 from meso_robust.diagnosis.baseline import Baseline
 from meso_robust.diagnosis.candidates import SCORE_SHARE, Candidate, Naming
 from meso_robust.diagnosis.document import Channel, Verdict
@@ -418,16 +421,21 @@ def _predicted(
     bench: Bench, predicted: dict[Names, RollOut], pool: tuple[Candidate, ...]
 ) -> tuple[Candidate, ...]:
     """Those of a pool that can be simulated, predicted fold by fold."""
-    for one in pool:
-        if one.effects in predicted:
-            continue
-        try:
-            refit = one.refit
-            predicted[one.effects] = rolled_out(
-                bench, refit.model, refit.fits.values[0], predicted[()].values
-            )
-        except (ValueError, np.linalg.LinAlgError):
-            continue  # its search leaves what can be simulated: no answer, and no fault
+    plain = predicted[()].values
+
+    def rolled(one: Candidate) -> dict[str, Any] | None:
+        # where its search leaves what can be simulated: no answer, and no fault
+        with suppress(ValueError, np.linalg.LinAlgError):
+            found = rolled_out(bench, one.refit.model, one.refit.fits.values[0], plain)
+            # a model cannot be sent from a copy, and is known here
+            return {of.name: getattr(found, of.name) for of in fields(found) if of.name != "model"}
+        return None
+
+    new = {one.effects: one for one in pool if one.effects not in predicted}
+    found = zip(new, shared(rolled, new.values()), strict=True)
+    predicted.update(
+        {names: RollOut(model=new[names].refit.model, **of) for names, of in found if of}
+    )
     return tuple(one for one in pool if one.effects in predicted)
 
 

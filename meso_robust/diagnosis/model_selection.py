@@ -13,6 +13,7 @@ from functools import partial
 
 import numpy as np
 
+from meso_robust.copies import shared
 from meso_robust.diagnosis.baseline import Baseline
 from meso_robust.diagnosis.candidates import (
     Candidate,
@@ -26,7 +27,7 @@ from meso_robust.diagnosis.candidates import (
     with_probabilities,
     without_duplicates,
 )
-from meso_robust.diagnosis.detect import Span, detector
+from meso_robust.diagnosis.detect import Detection, Span, detector
 from meso_robust.diagnosis.refit import Refit, ahead, refined, refitted
 from meso_robust.diagnosis.rejection import Ground, Rejection
 from meso_robust.diagnosis.signatures import Signature, estimate
@@ -51,6 +52,9 @@ _LINEAR_SIZES = 10.0
 _UNFINISHED_SHARE = 0.3
 # of the best gain so far, that a linear estimate must reach in a quick search
 _PROMISING_SHARE = 0.5
+_AT_ONCE = (
+    2  # single effects that are fitted before the next ones are held against the best of them
+)
 _FURTHER = 6  # effects that are tried beside a set that leaves something
 
 
@@ -117,7 +121,10 @@ class Contest:
         for done, form in enumerate(chosen):
             self.told("naming", done, len(chosen))
             best = max((fit.gain for fit in fits), default=0.0)
-            if self.quick and form.linear and form.gain <= _PROMISING_SHARE * best - _EXAMINED_NATS:
+            if done % _AT_ONCE == 0:
+                near = [one for one in chosen[done : done + _AT_ONCE] if self._promises(one, best)]
+                ahead(self.baseline, self.store, rough=[((one.signature,), None) for one in near])
+            if not self._promises(form, best):
                 continue
             tried = self._tried((form.signature,), None)
             short |= {id(fit) for fit in tried if fit.gain < form.gain}
@@ -127,6 +134,11 @@ class Contest:
         poor = [one for one in fits if id(one) in short and one.gain > _UNFINISHED_SHARE * best]
         ended = self._all_ended(poor)
         return self._refined([ended.get(id(one), one) for one in fits], list(ended.values()))
+
+    def _promises(self, form: Form, best: float) -> bool:
+        """Whether a form is worth a fit, beside the best so far."""
+        least = _PROMISING_SHARE * best - _EXAMINED_NATS
+        return not (self.quick and form.linear and form.gain <= least)
 
     def _choices(self, effect: str) -> float:
         every = (*self.signatures, *self.beside)
@@ -298,20 +310,29 @@ class Contest:
     def _all_asked(self, field: list[Candidate]) -> list[Candidate]:
         """The sets, the likely ones with what the detector says of them."""
         best = max((one.score for one in field if not one.rejected), default=0.0)
-        return [
-            self._asked(one) if not one.rejected and one.score > best - _EXAMINED_NATS else one
-            for one in field
+        open_ = [
+            k
+            for k, one in enumerate(field)
+            if one.adequate is None and not one.rejected and one.score > best - _EXAMINED_NATS
         ]
+        # all that the detector says is by the refit, which need not be sent back from a copy
+        said = shared(lambda k: self._detection(field[k]), open_)
+        told = {k: self._asked(field[k], found) for k, found in zip(open_, said, strict=True)}
+        return [told.get(k, one) for k, one in enumerate(field)]
 
-    def _asked(self, one: Candidate) -> Candidate:
-        """The set with what the detector says of it."""
-        if one.adequate is not None:
-            return one
+    def _detection(self, one: Candidate) -> Detection | None:
+        """What the detector sees of what a set leaves; None of one that explains nothing."""
         if one.score <= 0.0:
-            return replace(one, adequate=False, rejected=Rejection(ground=Ground.NO_GAIN))
+            return None
         files = self.baseline.prepared.files
         tests = detector(one.refit.tangent, self.signatures, self.spans, files)
-        found = tests.detection(one.refit.rows, self.nulls)
+        return tests.detection(one.refit.rows, self.nulls)
+
+    @staticmethod
+    def _asked(one: Candidate, found: Detection | None) -> Candidate:
+        """The set with what the detector says of it."""
+        if found is None:
+            return replace(one, adequate=False, rejected=Rejection(ground=Ground.NO_GAIN))
         adequate = not found.detected
         left = Rejection(ground=Ground.MISMATCH_LEFT, names=(found.tests[0].name,))
         return replace(

@@ -186,7 +186,8 @@ def _predicted(
     count, recordings = starts.shape[:2]
     physics = model.physics(np.repeat(values, recordings, axis=0))
     ways = _true_tips(prepared, physics.effects.table, count)
-    ways += _drifting(prepared, offsets)
+    if np.any(offsets):
+        ways += _drifting(prepared, offsets)
     poses = starts.reshape(-1, 3).copy()
     shifts, caught = _freed(prepared, physics, poses, ways[:, 0])
     poses[:, :2] += shifts

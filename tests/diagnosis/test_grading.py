@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import pickle
 from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any, cast
@@ -143,7 +144,11 @@ def test_where_the_likeliest_set_fails_the_next_ones_are_asked(
     def fails(judge: _Judge, naming: Naming, whole: Candidate, *more: Any, **also: Any) -> Any:
         return None if whole is wrong else _earning(judge, naming, whole, *more, **also)
 
+    def sent(function: Any, items: Any) -> list[Any]:
+        return [pickle.loads(pickle.dumps(function(item))) for item in items]
+
     monkeypatch.setattr("meso_robust.diagnosis.grading._earning", fails)
+    monkeypatch.setattr("meso_robust.diagnosis.grading.shared", sent)
     naming = replace(late.naming, answers=(wrong,), candidates=(wrong, right), best=wrong)
     grade = again(late, naming=naming)
     assert grade.verdict == "named"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import pickle
 from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any, cast
@@ -259,7 +260,14 @@ RADIUS = Trial(effect="tip_radius", sizes={"excess_um": 2.0})
 TURN = Trial(effect="camera_rotation", sizes={"angle_deg": 0.2})
 
 
-def test_what_motion_cannot_tell_apart_is_all_given(pulled: Baseline) -> None:
+def test_what_motion_cannot_tell_apart_is_all_given(
+    pulled: Baseline, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def sent(function: Any, items: Any) -> list[Any]:
+        """As from a copy of the process."""
+        return [pickle.loads(pickle.dumps(function(item))) for item in items]
+
+    monkeypatch.setattr("meso_robust.diagnosis.model_selection.shared", sent)
     found = contest(pulled, FORCE, FLOW, RADIUS)
     assert {one.effects for one in found.answers} == {("body_force",), ("film_flow",)}
     one, two = found.answers
@@ -413,6 +421,12 @@ def test_a_rough_fit_behind_its_own_linear_estimate_is_taken_to_its_end(
     promised = {"camera_rotation": 900.0, "backlash": 350.0, "tip_radius": 200.0}
     gains = {"camera_rotation": 400.0, "backlash": 390.0, "tip_radius": 100.0, "body_force": 1000.0}
     asked: list[str] = []
+    begun: list[list[str]] = []
+
+    def ahead(*_: object, rough: Any = (), fine: Any = ()) -> None:
+        begun.extend([[one.trial.effect for (one,), _ in rough]] if rough else [])
+
+    monkeypatch.setattr("meso_robust.diagnosis.model_selection.ahead", ahead)
 
     def form(effect: str) -> Form:
         trial = Trial(effect=effect, sizes={"x": 1.0})
@@ -437,6 +451,7 @@ def test_a_rough_fit_behind_its_own_linear_estimate_is_taken_to_its_end(
     assert {one.effects[0] for one in field} == set(gains)
     # the one by itself, then the others that may win; not the one again
     assert asked == ["camera_rotation", "body_force"]
+    assert begun == [["body_force", "camera_rotation"], ["backlash", "tip_radius"]]
 
 
 @pytest.mark.usefixtures("one_by_one")
