@@ -59,12 +59,17 @@ def stage_of(effect: str) -> Stage:
 
 
 def family_of(effect: str) -> str:
-    """Piece of physics that an effect is a law of; its own name where it is the only one.
+    """Piece of physics that an effect is a law of.
 
     Parameters
     ----------
     effect
         Its name.
+
+    Returns
+    -------
+    str
+        In words; the effect's own name where it is the only law.
     """
     return FAMILIES.get(effect, effect)
 
