@@ -96,7 +96,9 @@ def document(found: Diagnosis, version: str, remarks: tuple[str, ...] = ()) -> D
             "relevant_um": UM * found.grade.relevant,
             "explainable_um": UM * found.grade.size,
             "effects": _effects(found, best, answers) if best else (),
-            "ambiguous_with": tuple(one.effects for one in found.grade.rivals),
+            "ambiguous_with": tuple(
+                one.effects for one in (*found.grade.rivals, *found.grade.alike)
+            ),
             "not_identifiable": (VISCOSITY, *(one.effect for one in unseen)),
             "not_identifiable_why": tuple(
                 {
@@ -198,7 +200,7 @@ def _why(found: Diagnosis) -> str:
         return "no effect of the catalogue helps on recordings left out of the fit" + reach
     names, share = " + ".join(grade.chosen.effects), 100.0 * grade.explained.share
     if found.verdict == "ambiguous":
-        others = " or ".join(" + ".join(one.effects) for one in grade.rivals)
+        others = _or((*grade.rivals, *grade.alike))
         return (
             f"{names} explains the recordings, and so does {others}; they cannot be distinguished"
         )
@@ -213,8 +215,14 @@ def _why(found: Diagnosis) -> str:
     return f"{said}: {_lacking(grade, grade.explained)}{reach}"
 
 
+def _or(sets: tuple[Candidate, ...]) -> str:
+    return " or ".join(" + ".join(one.effects) for one in sets)
+
+
 def _lacking(grade: Grade, explained: Explained) -> str:
     """Why a set that explains a part is not named."""
+    if grade.alike:
+        return f"but so does {_or(grade.alike)}"
     if grade.unsure:
         return f"but the recordings do not agree on how large {' and '.join(grade.unsure)} is"
     if grade.beside:

@@ -145,7 +145,7 @@ class Diagnosis:
         grade = self.grade
         if grade.chosen is None or grade.verdict == "unknown":
             return ()
-        return (grade.chosen, *grade.rivals)
+        return (grade.chosen, *grade.rivals, *grade.alike)
 
     @property
     def doubts(self) -> tuple[str, ...]:

@@ -30,7 +30,7 @@ from meso_robust.diagnosis.signatures import extended
 from meso_robust.diagnosis.tangent import CONFIDENCE, Interval
 from meso_robust.diagnosis.windows import cuts_of
 from meso_robust.recordings import RecordingSet
-from meso_robust.simulator.catalogue import CATALOGUE, stage_of
+from meso_robust.simulator.catalogue import CATALOGUE, family_of, stage_of
 from meso_robust.types import Floats, Ints
 
 NAMED, PARTIAL = 0.8, 0.2
@@ -151,6 +151,9 @@ class Grade:
         Candidate of that set.
     rivals
         Sets that explain as much.
+    alike
+        Likewise, but only with other laws of the same physics, or with more effects than the chosen one: what it is
+        stays known, so that it is partial.
     explained
         None where nothing is to be explained.
     shares
@@ -185,6 +188,7 @@ class Grade:
     floor: float
     unsure: Names = ()
     beside: Names = ()
+    alike: tuple[Candidate, ...] = ()
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -290,7 +294,11 @@ def graded(
         if chosen is not None or not missing or bench.count == 1:
             break
     beside: Names = ()
-    if naming is not None and chosen is not None and not rivals:
+    alike: tuple[Candidate, ...] = ()
+    if chosen is not None:
+        alike = tuple(one for one in rivals if _only_law(judge, chosen, one, seed))
+        rivals = tuple(one for one in rivals if one not in alike)
+    if naming is not None and chosen is not None and not rivals and not alike:
         beside = _slight(judge, chosen)
         chosen, more, judge = _with_more(judge, naming, chosen, reach, matters)
         beside += more
@@ -300,7 +308,7 @@ def graded(
     stage = _unnamed_stage(judge, effects, where)
     cells = _cells(tables, effects, stage) if missing else ()
     return Grade(
-        verdict=_verdict(missing, explained, rivals, everywhere and not beside),
+        verdict=_verdict(missing, explained, rivals, everywhere and not (beside or alike)),
         bench=bench,
         plain=plain,
         extended=predicted[effects] if effects else None,
@@ -314,6 +322,7 @@ def graded(
         relevant=matters,
         floor=float(judge.floor.sum() / bench.seen.sum()),
         beside=beside,
+        alike=alike,
     )
 
 
@@ -582,9 +591,11 @@ def _holding(
         if earned is not None and _tells(_explained(judge, earned.effects, seed)):
             return earned, False
     for one in near:
-        # one effect that explains most of the whole tells much, though of a push or two it gets the turn wrong
-        most = len(one.effects) == 1 and judge.share(one.effects) >= _MOST_OF_ALL
-        if most and judge.lessens(one.effects) and _tells(_explained(judge, one.effects, seed)):
+        # one effect that explains most of the whole tells much, though of a push or two it gets the turn wrong; and so
+        # does a set that explains nearly all, though a push that needs no effect is predicted worse
+        share = judge.share(one.effects)
+        most = len(one.effects) == 1 and share >= _MOST_OF_ALL and judge.lessens(one.effects)
+        if (most or share >= NAMED) and _tells(_explained(judge, one.effects, seed)):
             return one, False
     return first, True
 
@@ -616,6 +627,19 @@ def _earning(
         if not rest:
             return None
     return whole if judge.carries(whole.effects) else None
+
+
+def _only_law(judge: _Judge, chosen: Candidate, rival: Candidate, seed: int) -> bool:
+    """Whether a set that explains as much leaves open what law it is, not what it is a law of.
+
+    So do laws of the same physics, alone or beside others. And of several hundred sets of two effects some do by chance
+    what one does: of what needs more effects and surely leaves no less, the one effect is told.
+    """
+    own, other = ({family_of(name) for name in one.effects} for one in (chosen, rival))
+    if own <= other:
+        return True
+    more = len(rival.effects) > len(chosen.effects)
+    return more and not _surely_worse(judge, rival, chosen, seed)
 
 
 def _holds(general: Candidate, special: Candidate) -> bool:

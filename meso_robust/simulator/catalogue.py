@@ -27,6 +27,15 @@ CATALOGUE: Mapping[str, Effect] = {
 }
 """Every effect by name."""
 
+FAMILIES: Mapping[str, str] = dict.fromkeys(
+    ("dry_friction", "stribeck_friction", "breakaway_friction"), "friction of solids under the part"
+)
+"""Effects that are laws of one piece of physics, by that piece: what they have in common is known though the law is not.
+
+Friction of solids is one force with a state. The age of a contact that slides at a steady speed v is D / v, so that
+friction which grows with age falls with speed, and is dry friction where the speed is one. Only how it follows a change
+of speed, within a few D, or how long a part has rested tells which law it is; and part and stage touch in any of them."""
+
 
 def stage_of(effect: str) -> Stage:
     """Stage that an effect belongs to.
@@ -47,6 +56,22 @@ def stage_of(effect: str) -> Stage:
         If the effect is unknown.
     """
     return next(s for s in STAGES if any(e.name == effect for e in s.effects))
+
+
+def family_of(effect: str) -> str:
+    """Piece of physics that an effect is a law of.
+
+    Parameters
+    ----------
+    effect
+        Its name.
+
+    Returns
+    -------
+    str
+        In words; the effect's own name where it is the only law.
+    """
+    return FAMILIES.get(effect, effect)
 
 
 Values = Mapping[str, Mapping[str, float | Floats]]

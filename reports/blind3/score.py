@@ -9,6 +9,7 @@ from statistics import median
 from typing import Any
 
 from meso_robust.campaigns.intervals import share_interval
+from meso_robust.simulator.catalogue import family_of
 from reports.blind3.cases import COMMITMENT, HERE, Case, listed
 from reports.blind3.laws import FAMILIES, OUTSIDE
 
@@ -81,6 +82,13 @@ class Scored:
     def right(self) -> bool:
         """Named or partial, with everything concealed."""
         return bool(self.names) and all(self.has(name) for name in self.case.families)
+
+    @property
+    def right_physics(self) -> bool:
+        """As `right`, but another law of the same physics will do, as the catalogue has it."""
+        told = {family_of(name) for name in self.names}
+        there = ({family_of(one) for one in accepted(name)} for name in self.case.families)
+        return bool(told) and all(told & one for one in there)
 
     @property
     def wrong(self) -> bool:
@@ -170,6 +178,11 @@ def _rows(scored: Sequence[Scored]) -> list[tuple[str, str, str]]:
     errors = [e for one in scored if (e := one.share_error) is not None]
     return [
         ("right family, named or partial, ≥ 4×", "≥ 85 %", rate([o.right for o in plain])),
+        (
+            "the same, or another law of the same physics (`simulator.catalogue.FAMILIES`)",
+            "",
+            rate([o.right_physics for o in plain]),
+        ),
         ("right family, < 4×", "", rate([o.right for o in of("single") if o.size < PLAIN])),
         ("wrong and confident, all cases", "≤ 2 %", rate([o.wrong for o in scored])),
         ("nulls consistent", "≥ 95 %", rate([not o.alarm for o in of("null")])),

@@ -319,6 +319,25 @@ def test_classes(scored: Scored, right: bool, wrong: bool, wanted: bool) -> None
     assert scored.wanted is wanted
 
 
+@pytest.mark.parametrize(
+    ("families", "told", "right", "physics"),
+    [
+        (("breakaway_friction",), ("breakaway_friction",), True, True),
+        (("breakaway_friction",), ("stribeck_friction",), False, True),
+        (("breakaway_friction",), ("uneven_support",), False, False),
+        (("breakaway_friction", "backlash"), ("stribeck_friction",), False, False),
+        (("body_force",), ("film_flow",), True, True),
+    ],
+)
+def test_another_law_of_the_same_physics_is_counted_apart(
+    families: tuple[str, ...], told: tuple[str, ...], right: bool, physics: bool
+) -> None:
+    one = made_up("pair" if len(families) > 1 else "single", families, "partial", *told)
+    assert one.right is right
+    assert one.right_physics is physics
+    assert not made_up("single", families[:1], "ambiguous", *told).right_physics
+
+
 def test_coverage_and_share() -> None:
     told = {"camera_latency": {"parameters": {"time_ms": [50.0, 45.0, 55.0]}}}
     explained = {"share": 0.9, "low": 0.8, "high": 1.0, "folds": 4}

@@ -26,6 +26,7 @@ from meso_robust.diagnosis.grading import (
     _holding,
     _holds,
     _Judge,
+    _only_law,
     _pools,
     _slight,
     _verdict,
@@ -304,8 +305,11 @@ def test_one_effect_that_explains_most_of_the_whole_is_told_though_a_turn_is_wor
         judge = stood({(): PLAIN, ("a",): sums}, lost=(("a",),))
         assert _holding(judge, contest(a), (a,), 0) == (told, told is None)
     both = stated("a", "b", gain=1000.0)
-    judge = stood({(): PLAIN, ("a",): less, ("b",): less, ("a", "b"): most}, lost=(("a", "b"),))
-    assert _holding(judge, contest(both), (both,), 0) == (None, True)
+    # a set that explains nearly all may predict a push worse that needs nothing
+    nearly = [100.0, 95.0, 1000.0, 900.0, 98.0, 103.0, 200.0, 97.0]
+    for sums, found in ((most, (None, True)), (nearly, (both, False))):
+        judge = stood({(): PLAIN, ("a",): less, ("b",): less, ("a", "b"): sums}, lost=(("a", "b"),))
+        assert _holding(judge, contest(both), (both,), 0) == found
 
 
 @pytest.mark.parametrize(
@@ -372,6 +376,47 @@ def test_of_two_laws_that_are_alike_where_they_were_fitted_other_recordings_tell
     # nor is one recording
     once = [*NOISE[:2], NOISE[2] + 200.0, *(one - 2.0 for one in NOISE[3:])]
     assert _equal(stood({(): PLAIN, ("a",): NOISE, ("b",): once}), a, less, 0)
+
+
+@pytest.mark.parametrize(
+    ("chosen", "rival", "left", "told"),
+    [
+        ("stribeck_friction", "breakaway_friction", 0.0, True),
+        ("stribeck_friction", "drag_gradient", 0.0, False),
+        # another law of the same physics beside something else, whatever that explains
+        ("stribeck_friction", "camera_drift dry_friction", -50.0, True),
+        # of several hundred sets of two some do by chance what one effect does
+        ("uneven_support", "drag_centre_offset stribeck_friction", 0.0, True),
+        ("uneven_support", "drag_centre_offset stribeck_friction", -50.0, False),
+        ("uneven_support part_yaw", "drag_centre_offset stribeck_friction", 0.0, False),
+    ],
+)
+def test_of_sets_that_explain_alike_what_is_known_is_told(
+    chosen: str, rival: str, left: float, told: bool
+) -> None:
+    own, other = (stated(*names.split(), gain=1000.0) for names in (chosen, rival))
+    worse = [one + 60.0 for one in NOISE]
+    judge = stood({(): PLAIN, own.effects: worse, other.effects: [one + left for one in worse]})
+    assert _only_law(judge, own, other, 0) is told
+
+
+def test_a_rival_that_leaves_the_law_open_makes_an_answer_partial(
+    late: Diagnosis, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    assert late.naming is not None
+    right = next(one for one in late.naming.candidates if one.effects == ("camera_latency",))
+    wider, other = (
+        stated(*names.split(), gain=1.0) for names in ("camera_latency part_yaw", "drag_drift")
+    )
+    for rivals, verdict in (((wider,), "partial"), ((wider, other), "ambiguous")):
+        monkeypatch.setattr(
+            "meso_robust.diagnosis.grading._answer", lambda *_, of=rivals: (right, of, True)
+        )
+        found = replace(late, grade=again(late))
+        assert found.verdict == verdict
+        assert set(found.answers) == {right, *rivals}
+        assert "so does" in _why(found)
+        assert "camera_latency + part_yaw" in _why(found)
 
 
 def test_what_does_not_carry_over_is_no_rival() -> None:
