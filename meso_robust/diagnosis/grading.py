@@ -592,10 +592,11 @@ def _holding(
             return earned, False
     for one in near:
         # one effect that explains most of the whole tells much, though of a push or two it gets the turn wrong; and so
-        # does a set that explains nearly all, though a push that needs no effect is predicted worse
-        share = judge.share(one.effects)
-        most = len(one.effects) == 1 and share >= _MOST_OF_ALL and judge.lessens(one.effects)
-        if (most or share >= NAMED) and _tells(_explained(judge, one.effects, seed)):
+        # does a set that explains as much as one that is named, though a push that needs no effect is predicted worse
+        explained = _explained(judge, one.effects, seed)
+        single = len(one.effects) == 1 and judge.lessens(one.effects)
+        most = single and explained.share >= _MOST_OF_ALL and _tells(explained)
+        if most or (explained.share >= NAMED and explained.low >= SURE):
             return one, False
     return first, True
 
