@@ -1,7 +1,8 @@
 """How long a plan is looked for: a limit on computing time that holds in all of a search.
 
 What is found within it is proved like anything else; the limit only decides when a search gives up. It is
-computing time, so that other work on the machine does not change what is found.
+computing time, so that other work on the machine does not change what is found, and time in which kernels are
+compiled does not count, so that a first run finds what others find.
 """
 
 from __future__ import annotations
@@ -12,8 +13,12 @@ from contextlib import contextmanager
 from contextvars import ContextVar
 from typing import TypeVar
 
+from numba.core.event import TimingListener, register
+
 from meso_robust.copies import shared
 
+_compiling = TimingListener()
+register("numba:compile", _compiling)
 _T = TypeVar("_T")
 _R = TypeVar("_R")
 
@@ -23,6 +28,11 @@ class EffortSpentError(Exception):
 
 
 _until: ContextVar[float | None] = ContextVar("until", default=None)
+
+
+def _clock() -> float:
+    """Computing time of this process, without that of compiling, s."""
+    return time.process_time() - (_compiling.duration if _compiling.done else 0.0)
 
 
 @contextmanager
@@ -41,7 +51,7 @@ def limited(seconds: float | None) -> Iterator[None]:
     """
     around = _until.get()
     ends = [] if around is None else [around]
-    ends += [] if seconds is None else [time.process_time() + seconds]
+    ends += [] if seconds is None else [_clock() + seconds]
     token = _until.set(min(ends, default=None))
     try:
         yield
@@ -58,7 +68,7 @@ def spend() -> None:
         The search has taken as long as it may.
     """
     until = _until.get()
-    if until is not None and time.process_time() > until:
+    if until is not None and _clock() > until:
         raise EffortSpentError
 
 
@@ -83,7 +93,7 @@ def each(function: Callable[[_T], _R], items: Iterable[_T]) -> list[_R]:
         One of the searches has taken as long as is left here.
     """
     until = _until.get()
-    left = None if until is None else until - time.process_time()
+    left = None if until is None else until - _clock()
 
     def within(item: _T) -> tuple[_R] | None:
         try:

@@ -4,10 +4,13 @@ from __future__ import annotations
 
 import subprocess
 import sys
+import time
 from collections.abc import Sequence
+from contextlib import nullcontext
 from typing import Any
 
 import pytest
+from numba.core.event import trigger_event
 
 from meso_robust.certificates.words import words
 from meso_robust.errors import NotApplicableError
@@ -51,6 +54,17 @@ def test_a_limit_within_another_is_no_longer() -> None:
     with limited(-1.0), limited(1e6), pytest.raises(EffortSpentError):
         spend()
     with limited(1e6), limited(None):
+        spend()
+
+
+@pytest.mark.parametrize("compiling", [True, False])
+def test_what_compiling_takes_does_not_count(compiling: bool) -> None:
+    begun = time.process_time()
+    what = trigger_event("numba:compile") if compiling else nullcontext()
+    with limited(0.2), nullcontext() if compiling else pytest.raises(EffortSpentError):
+        with what:
+            while time.process_time() < begun + 0.4:
+                pass
         spend()
 
 
