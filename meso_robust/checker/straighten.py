@@ -239,21 +239,26 @@ class _Case:
 
     def slipping(self, at: Point) -> Pose:
         """The same of a tip that may slip: it can be anywhere on its way in contact then."""
-        scene, angle, first = self.scene, self.path(at), self.first(at)
+        scene, angle = self.scene, self.path(at)
         s, c = angle.sin_cos()
-        now = dataclasses.replace(first, c=c, s=s, d2=self.offset(at))
-        ahead = first.arm_x - self.travel(at) * at["progress"]
-        strayed = at["wander_x_now"] - at["wander_x"]
-        x, y = scene.from_travel(
-            at, ahead + strayed - now.arm_x, scene.rise_end(at, self.side) - now.arm_y
-        )
+        now = dataclasses.replace(self.first(at), c=c, s=s, d2=self.offset(at))
+        ahead = scene.ahead_end(at, self.side) + self.way(at) * (1 - at["progress"])
+        x, y = scene.from_travel(at, ahead - now.arm_x, scene.rise_end(at, self.side) - now.arm_y)
         return at["x"] + x, at["y"] + y, at["theta"] + angle - scene.angle(at)
+
+    def way(self, at: Point) -> Dual:
+        """How far ahead of its end a tip in contact can be at most that strays as it does now."""
+        strayed = (at[f"wander_{axis}_now"] - at[f"wander_{axis}"] for axis in "xy")
+        return self.travel(at) + self.scene.in_travel(at, *strayed)[0]
 
     def together(self, at: Point) -> Pose:
         """The part when a share of the travel of both tips is still to come, all of it at most if one slipped."""
-        scene, left, turn = self.scene, self.travel(at), self.turn(at)
+        scene = self.scene
         if self.slip is None:
-            left = left - turn.needed(_aligned(scene, at) - turn.angle)
+            turn = self.turn(at)
+            left = self.travel(at) - turn.needed(_aligned(scene, at) - turn.angle)
+        else:
+            left = self.way(at)
         x, y = self.place(at)
         x, y = scene.from_travel(at, x + left * at["share"], y)
         return at["x"] + x, at["y"] + y, _aligned_as_stated(scene, at)

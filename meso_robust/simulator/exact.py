@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from meso_robust.simulator.events import EventResult, carry
+from meso_robust.simulator.events import EventResult, integrate_checked
 from meso_robust.simulator.motion_model import QuasiStatic
 from meso_robust.simulator.outline import refuse
 from meso_robust.simulator.push import Push
@@ -61,4 +61,4 @@ def exact(push: Push, *, samples: int = 0) -> EventResult:
         "stage_lay": push.support.stage_lay,
         "fixture_friction": np.array(push.fixture.friction),
     }
-    return carry(move, push.fixture.outlines, samples)  # a push has been checked
+    return integrate_checked(move, push.fixture.outlines, samples)

@@ -31,6 +31,7 @@ from tests.identification.sets import PART, random_pushes, recorded
 Floats = npt.NDArray[np.float64]
 
 NOMINAL = 0.9
+FAR_OFF = 5.0
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -171,7 +172,15 @@ def table(model: str, every: Sequence[Result]) -> list[str]:
     seconds = np.array([one.seconds for one in results])
     lines += ["", f"Median {np.median(seconds):.2f} s a fit, longest {seconds.max():.2f} s.", ""]
     named = [f"- set {one.seed}: {one.refused}" for one in refused]
+    lines += [f"More than {FAR_OFF:g} half widths off: {_far_off(results)}.", ""]
     return [*lines, f"Refused: {len(refused)}.", *named, ""]
+
+
+def _far_off(results: Sequence[Result]) -> str:
+    """Sets whose worst parameter is that far from the truth, the worst first."""
+    worst = {one.seed: max(abs(error) for error in one.errors) for one in results}
+    far = sorted((off, seed) for seed, off in worst.items() if off > FAR_OFF)
+    return ", ".join(f"set {seed} ({off:,.1f})" for off, seed in reversed(far)) or "none"
 
 
 def clopper(hits: int, count: int) -> tuple[float, float]:

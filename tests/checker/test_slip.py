@@ -19,7 +19,8 @@ from meso_robust.checker.inputs import PoseBox, given
 from meso_robust.checker.moves import verify_move
 from meso_robust.checker.numbers import box
 from meso_robust.checker.obligations import compare
-from meso_robust.checker.passage import Passage
+from meso_robust.checker.passage import Passage, Sweep
+from meso_robust.checker.ranges import point_of
 from meso_robust.checker.refusal import Refused
 from meso_robust.checker.verdict import BITS
 from meso_robust.planning.document import _rule as rule_document
@@ -191,3 +192,30 @@ def test_a_wall_beside_the_way_of_a_tip_that_slips() -> None:
     for met in ({"y_um": 680.0}, {"y_um": half.max() / UM - 5.0, "x_um": (there - 5, there + 5)}):
         with pytest.raises(Refused, match="clear of the slot's walls"):
             beside(**met)
+
+
+STRAYED = {"wander_x": -3.0, "wander_y": 2.0, "wander_x_now": 4.0, "wander_y_now": -5.0}
+"""um, of a probe where it meets the part, and later."""
+
+
+def passed(sweep: Sweep, **shares: float) -> list[float]:
+    """The pose at one point of the box, of a probe that has strayed."""
+    ends = {name: (high, high) for name, (_, high) in sweep.box.items()}
+    strayed = {name: arb(um) / 10**6 for name, um in STRAYED.items()}
+    at = {name: (value, value) for name, value in {**strayed, **shares}.items()}
+    return [float(p.value.mid()) for p in sweep.pose(point_of({**ends, **at}))]
+
+
+def test_a_tip_that_slips_can_be_wherever_it_strays_from_where_it_meets_the_part_to_its_end() -> (
+    None
+):
+    """The part has been moved by what the probe has strayed at first; at last it is where both tips leave it."""
+    turning, together = verified().swept
+    moved = [1e6 * (a - float(turning.box[n][1])) for a, n in zip(
+        passed(turning, share=0.0, progress=0.0, creep_now=0.0), ("x", "y", "theta"), strict=True
+    )]  # fmt: skip
+    np.testing.assert_allclose(moved, [7.0, -7.0, 0.0], atol=1e-9)
+    last = passed(turning, share=1.0, progress=1.0)
+    np.testing.assert_allclose(last, passed(together, share=0.0), rtol=0, atol=1e-15)
+    first = passed(turning, share=1.0, progress=0.0)
+    np.testing.assert_allclose(first, passed(together, share=1.0), rtol=0, atol=1e-15)

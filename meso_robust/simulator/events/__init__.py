@@ -7,7 +7,7 @@ stepper, so that the two judge each other.
 
 from meso_robust.simulator.events.engine import (
     EventResult as EventResult,
-    carry as carry,
     integrate as integrate,
+    integrate_checked as integrate_checked,
 )
 from meso_robust.simulator.events.timeline import Timeline as Timeline

@@ -340,10 +340,12 @@ def integrate(
     move = {name: np.asarray(array, dtype=np.float64) for name, array in move.items()}
     polygons = [np.asarray(polygon, dtype=np.float64) for polygon in fixture]
     check_move(move, polygons, samples)
-    return carry(move, polygons, samples)
+    return integrate_checked(move, polygons, samples)
 
 
-def carry(move: Mapping[str, Floats], fixture: Sequence[Floats], samples: int) -> EventResult:
+def integrate_checked(
+    move: Mapping[str, Floats], fixture: Sequence[Floats], samples: int
+) -> EventResult:
     """As `integrate`, of a move that has been checked.
 
     Parameters
