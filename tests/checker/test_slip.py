@@ -202,7 +202,8 @@ def passed(sweep: Sweep, **shares: float) -> list[float]:
     """The pose at one point of the box, of a probe that has strayed."""
     ends = {name: (high, high) for name, (_, high) in sweep.box.items()}
     strayed = {name: arb(um) / 10**6 for name, um in STRAYED.items()}
-    at = {name: (value, value) for name, value in {**strayed, **shares}.items()}
+    fixed = {name: arb(value) for name, value in shares.items()}
+    at = {name: (value, value) for name, value in {**strayed, **fixed}.items()}
     return [float(p.value.mid()) for p in sweep.pose(point_of({**ends, **at}))]
 
 
