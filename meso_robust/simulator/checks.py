@@ -293,11 +293,23 @@ def check_start(
             if isinstance(shape, Flat):
                 depth = _overlap(true, reference, shape.corners, start)
             else:
-                depth = depth_inside(true, in_body(reference, start)) + radius[:, p]
+                centres = in_body(reference, start)
+                if _all_beside(true, centres, radius[:, p]):
+                    continue
+                depth = depth_inside(true, centres) + radius[:, p]
             _refuse_overlap("waypoints", f"probe {p}", depth, limit, "the part")
         for k, outline in enumerate(fixture.outlines):
             depth = _overlap(true, reference, outline, np.zeros_like(reference[:, :2]))
             _refuse_overlap("poses", "the part", depth, limit, f"fixture.outlines[{k}]")
+
+
+def _all_beside(vertices: Floats, centres: Floats, radius: Floats) -> bool:
+    """Whether all discs are beside the rectangle about all parts, by far the most frequent case."""
+    low, high = vertices.min(axis=(0, 1)), vertices.max(axis=(0, 1))
+    x, y = centres[:, 0], centres[:, 1]
+    beside = (x < low[0] - radius) | (x > high[0] + radius)
+    beside |= (y < low[1] - radius) | (y > high[1] + radius)
+    return bool(beside.all())
 
 
 def _refuse_overlap(argument: str, what: str, depth: Floats, limit: float, other: str) -> None:

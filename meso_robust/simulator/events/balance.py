@@ -76,11 +76,11 @@ def pick(rows: Floats, i: int) -> Triple:
 def solve_three(a: Triple, b: Triple, c: Triple, right: Triple) -> Triple:
     """Vector with the scalar products `right` with three vectors."""
     bc, ca, ab = cross(b, c), cross(c, a), cross(a, b)
-    det = dot(a, bc)
+    over = 1.0 / dot(a, bc)
     return (
-        (right[0] * bc[0] + right[1] * ca[0] + right[2] * ab[0]) / det,
-        (right[0] * bc[1] + right[1] * ca[1] + right[2] * ab[1]) / det,
-        (right[0] * bc[2] + right[1] * ca[2] + right[2] * ab[2]) / det,
+        (right[0] * bc[0] + right[1] * ca[0] + right[2] * ab[0]) * over,
+        (right[0] * bc[1] + right[1] * ca[1] + right[2] * ab[1]) * over,
+        (right[0] * bc[2] + right[1] * ca[2] + right[2] * ab[2]) * over,
     )
 
 

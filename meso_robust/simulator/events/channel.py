@@ -6,11 +6,9 @@ integrated. With ``g, h`` the wrenches of the tips the film asks for ``(g × h) 
 the speed of the part along the edge.
 """
 
-import numpy as np
-
 from meso_robust.simulator.events.balance import cross, dot, is_even, times
 from meso_robust.simulator.events.contact import to_body
-from meso_robust.simulator.events.curve import about_pivot, guided_turn, start_guided
+from meso_robust.simulator.events.curve import about_pivot, angle_of, guided_turn, start_guided
 from meso_robust.simulator.events.fused import inlined, sealed
 from meso_robust.simulator.events.outline import NX, NY
 from meso_robust.simulator.events.scene import (
@@ -111,7 +109,7 @@ def _write_pose(scene: Scene, work: Work, time: float, way: float) -> None:
     turn = guided_turn(curve, time)[0]
     pivot = (curve[6] - way * edge[NY], curve[7] + way * edge[NX])
     x, y, _, _ = about_pivot(curve, time, turn, pivot)
-    work.trial[0], work.trial[1], work.trial[2] = x, y, curve[3] + np.arctan2(turn[0], turn[1])
+    work.trial[0], work.trial[1], work.trial[2] = x, y, curve[3] + angle_of(turn)
 
 
 @inlined

@@ -9,6 +9,7 @@ from typing import TypeAlias
 
 import numpy as np
 
+from meso_robust.simulator.events.curve import STICKING, fastest_between
 from meso_robust.simulator.events.fused import inlined, sealed
 from meso_robust.simulator.events.scene import Scene, Work
 
@@ -44,6 +45,33 @@ def bound_on_curve(scene: Scene, work: Work, bound: Bound, end: float, clock: fl
         lever = _length(tips[i, 0] + tips[i, 2] * clock - x, tips[i, 1] + tips[i, 3] * clock - y)
         scene.closing[i] = own + turn * (lever + own * end)
     scene.closing[tips.shape[0] :] = _length(vx, vy) + 2.0 * work.reach * turn
+
+
+@inlined
+def speed_between(
+    scene: Scene, work: Work, body: int, span: tuple[float, float], clock: float
+) -> float:
+    """Bound of the speed of a tip in a part of a curve on which another sticks, else infinity.
+
+    Parameters
+    ----------
+    scene, work
+        The run.
+    body
+        Number of the tip.
+    span
+        The part of the curve, on the clock from its start.
+    clock
+        The clock at its start.
+    """
+    if work.curve[0] != STICKING or body >= scene.tips.shape[0]:
+        return np.inf
+    curve, tip = work.curve, scene.tips[body]
+    ux, uy = tip[2] - curve[4], tip[3] - curve[5]
+    dx, dy = tip[0] + tip[2] * clock - curve[1], tip[1] + tip[3] * clock - curve[2]
+    start, end = span
+    lever = max(_length(dx + start * ux, dy + start * uy), _length(dx + end * ux, dy + end * uy))
+    return _length(ux, uy) + fastest_between(work, span) * lever
 
 
 @sealed

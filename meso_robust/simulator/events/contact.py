@@ -31,6 +31,12 @@ Frame: TypeAlias = tuple[float, float, float, float, float, float, float, float]
 
 
 @inlined
+def place_of(work: Work) -> Place:
+    """The present pose."""
+    return work.pose[0], work.pose[1], np.cos(work.pose[2]), np.sin(work.pose[2])
+
+
+@inlined
 def to_body(x: float, y: float, place: Place) -> tuple[float, float]:
     """Turn a vector from the world into the body frame."""
     return place[2] * x + place[3] * y, place[2] * y - place[3] * x
@@ -117,10 +123,12 @@ def _add(work: Work, kind: int, i: int, j: int, group: int) -> None:
 
 
 @sealed
-def list_touching(scene: Scene, work: Work, clock: float, near: float, deep: float) -> None:
-    """List the places where the part touches: gaps from −`deep` to `near`."""
+def list_touching(
+    scene: Scene, work: Work, place: Place, clock: float, band: tuple[float, float]
+) -> None:
+    """List where the part touches at its place: gaps in the band, minus its second up to its first."""
     work.count[TOUCHING] = 0
-    place = (work.pose[0], work.pose[1], np.cos(work.pose[2]), np.sin(work.pose[2]))
+    near, deep = band
     for i in range(scene.tips.shape[0]):
         cx, cy = tip_in_body(scene, i, place, clock)
         if cx * cx + cy * cy <= (work.reach + scene.tips[i, 4] + near) ** 2:

@@ -25,17 +25,17 @@ from meso_robust.simulator.events.outline import NX, NY, VX, VY
 from meso_robust.simulator.events.scene import FIRST, SECOND, SLIP_MINUS, Scene, Work
 from meso_robust.types import Floats
 
-_STRAIGHT, _STICKING, _GUIDED, CUBIC = 0.0, 1.0, 2.0, 3.0
+_STRAIGHT, STICKING, _GUIDED, CUBIC = 0.0, 1.0, 2.0, 3.0
 _JUST = 0.999  # a ratio of tangents below one is that of a root just passed, or of none
 _START = 1e-13  # of the clock; what is nearer is the event at which the curve starts
 
 
 @sealed
-def start_straight(work: Work) -> None:
-    """Let the part go on with its present twist, without a turn."""
+def start_straight(work: Work, place: Place) -> None:
+    """Let the part go on from its place with its present twist, without a turn."""
     curve = work.curve
     curve[0] = _STRAIGHT
-    cos, sin = np.cos(work.pose[2]), np.sin(work.pose[2])
+    cos, sin = place[2], place[3]
     curve[16], curve[17] = cos, sin
     for k in range(3):
         curve[1 + k] = work.pose[k]
@@ -44,8 +44,8 @@ def start_straight(work: Work) -> None:
 
 
 @sealed
-def start_sticking(scene: Scene, work: Work, contact: int, clock: float) -> float:
-    """Let the part turn about a tip that sticks.
+def start_sticking(scene: Scene, work: Work, contact: int, place: Place, clock: float) -> float:
+    """Let the part turn from its place about a tip that sticks.
 
     Returns
     -------
@@ -53,8 +53,7 @@ def start_sticking(scene: Scene, work: Work, contact: int, clock: float) -> floa
         The instant, counted from now, at which the force leaves the friction cone.
     """
     curve, pose, i = work.curve, work.pose, work.contact[contact, FIRST]
-    cos, sin = np.cos(pose[2]), np.sin(pose[2])
-    _start_pivot(scene, curve, i, (pose, cos, sin), clock)
+    _start_pivot(scene, curve, i, (pose, place[2], place[3]), clock)
     drag, vx, vy, px, py = work.drag, curve[4], curve[5], curve[6], curve[7]
     ex = drag[0, 0] * py - drag[0, 1] * px + drag[0, 2]
     ey = drag[1, 0] * py - drag[1, 1] * px + drag[1, 2]
@@ -64,7 +63,7 @@ def start_sticking(scene: Scene, work: Work, contact: int, clock: float) -> floa
     kappa = np.hypot(hx, hy) * np.hypot(vx, vy)
     psi = pose[2] - np.arctan2(vy, vx) + np.arctan2(hy, hx)
     half = 0.5 * psi + 0.25 * np.pi
-    curve[0] = _STICKING
+    curve[0] = STICKING
     curve[8], curve[9], curve[10] = kappa, np.sin(half), np.cos(half)
     # Force on the part in the body frame: the square matrix (E + E j hᵀ) times R(−θ) V.
     force = (
@@ -161,6 +160,18 @@ def fastest_turn(work: Work) -> float:
     return float(kappa if abs(sin) < abs(cos) else 2.0 * kappa * abs(sin * cos))
 
 
+@inlined
+def fastest_between(work: Work, span: tuple[float, float]) -> float:
+    """Largest speed of turning between two instants of a curve that sticks.
+
+    With r the tangent of the half angle, which grows as exp(κ ξ), it is κ 2 r / (1 + r²): κ at r = 1.
+    """
+    kappa, ratio = work.curve[8], abs(work.curve[9] / work.curve[10])
+    first, last = ratio * np.exp(kappa * span[0]), ratio * np.exp(kappa * span[1])
+    r = last if last < 1.0 else max(first, 1.0)
+    return float(2.0 * kappa / (r + 1.0 / r))
+
+
 @sealed
 def _leaves(
     scene: Scene, work: Work, contact: int, force: tuple[float, float, float, float], side: float
@@ -176,17 +187,15 @@ def _leaves(
     # share = c cos θ + s sin θ with R(−θ) V = (V_x cos + V_y sin, V_y cos − V_x sin).
     c = bx * curve[4] + by * curve[5]
     s = bx * curve[5] - by * curve[4]
-    kappa, ratio0 = curve[8], curve[9] / curve[10]
-    turning = curve[9] * curve[10]  # has the sign of cos ψ
-    root = np.arctan2(-c, s)
-    best = np.inf
-    for k in range(2):
-        theta = root + k * np.pi
-        falling = (s * np.cos(theta) - c * np.sin(theta)) * turning < 0.0
-        ratio = np.tan(0.5 * (theta - curve[3]) + np.arctan2(curve[9], curve[10])) / ratio0
-        if falling and ratio > _JUST and kappa > 0.0:
-            best = min(best, max(np.log(ratio), 0.0) / kappa)
-    return best
+    kappa, sin, cos = curve[8], curve[9], curve[10]
+    turning = sin * cos  # has the sign of cos ψ, hence of the turn
+    if turning == 0.0 or not kappa > 0.0:
+        return np.inf
+    # the share grows with θ at the one of its roots, and falls with it at the other
+    root = np.arctan2(-c, s) if turning < 0.0 else np.arctan2(c, -s)
+    half = np.tan(0.5 * (root - curve[3]))
+    ratio = (half * cos + sin) * cos / ((cos - half * sin) * sin)
+    return max(np.log(ratio), 0.0) / kappa if ratio > _JUST else np.inf
 
 
 @sealed
@@ -214,7 +223,7 @@ def pose_at(work: Work, time: float) -> tuple[float, float, float]:
         return curve[1] + time * curve[4], curve[2] + time * curve[5], curve[3]
     sin, cos = _turn(curve, time)
     x, y, _, _ = about_pivot(curve, time, (sin, cos), (curve[6], curve[7]))
-    return x, y, curve[3] + np.arctan2(sin, cos)
+    return x, y, curve[3] + angle_of((sin, cos))
 
 
 @inlined
@@ -250,6 +259,12 @@ def about_pivot(
     x = curve[1] + time * curve[4] - (c * pivot[0] - s * pivot[1])
     y = curve[2] + time * curve[5] - (s * pivot[0] + c * pivot[1])
     return x, y, c, s
+
+
+@inlined
+def angle_of(turn: tuple[float, float]) -> float:
+    """Angle of a turn by less than half a circle from its sine and cosine."""
+    return float(2.0 * np.arctan(turn[0] / (1.0 + turn[1])))
 
 
 @inlined

@@ -217,7 +217,7 @@ def _outputs(inputs: Inputs, samples: int, phases: int) -> Outputs:
         np.zeros(runs, dtype=np.int8),
         np.zeros(runs),
         np.zeros(runs, dtype=np.int64),
-        np.zeros((runs, samples + 1 if samples > 0 else 0, 3)),
+        np.empty((runs, samples + 1 if samples > 0 else 0, 3)),
         np.zeros((phases, 4)),
         np.zeros((phases, MOST, 4), dtype=np.int64),
         np.zeros(1, dtype=np.int64),

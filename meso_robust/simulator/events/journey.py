@@ -10,7 +10,7 @@ import numpy as np
 
 from meso_robust.kernels import part
 from meso_robust.simulator.events.choice import FOUND, JAM, NOT_UNIQUE, choose, code_of
-from meso_robust.simulator.events.contact import list_touching
+from meso_robust.simulator.events.contact import list_touching, place_of
 from meso_robust.simulator.events.fused import sealed
 from meso_robust.simulator.events.outline import BEFORE, leave_out
 from meso_robust.simulator.events.phase import advance
@@ -79,13 +79,14 @@ def run(scene: Scene, work: Work, log: Log) -> tuple[int, float]:
             leg += 1
             start_leg(scene, work, leg, clock)
             continue
-        list_touching(scene, work, clock, _NEAR, _NEAR)
-        outcome = _outcome_of(choose(scene, work, clock))
+        place = place_of(work)
+        list_touching(scene, work, place, clock, (_NEAR, _NEAR))
+        outcome = _outcome_of(choose(scene, work, place, clock))
         if outcome != _COMPLETED:
             break
         last = _note(work, log, clock, last)
         _forget_distances(scene, work)
-        after = advance(scene, work, log.path, clock)
+        after = advance(scene, work, log.path, place, clock)
         outcome = _check(work, clock, after)
         clock = after if after >= 0.0 else -1.0 - after
         if outcome != _COMPLETED:

@@ -14,7 +14,7 @@ from meso_robust.simulator.events.balance import (
 )
 from meso_robust.simulator.events.channel import in_channel, start_channel
 from meso_robust.simulator.events.closing import bound_in_step, bound_on_curve
-from meso_robust.simulator.events.contact import gap
+from meso_robust.simulator.events.contact import Place, gap
 from meso_robust.simulator.events.curve import (
     CUBIC,
     fastest_turn,
@@ -54,7 +54,7 @@ _TURN = 0.15  # rad, of an exact step; events are looked for at its middle and i
 
 
 @part
-def advance(scene: Scene, work: Work, path: Floats, clock: float) -> float:
+def advance(scene: Scene, work: Work, path: Floats, place: Place, clock: float) -> float:
     """Move the part through one phase.
 
     Parameters
@@ -63,6 +63,8 @@ def advance(scene: Scene, work: Work, path: Floats, clock: float) -> float:
         The run, with the modes chosen.
     path
         (S + 1, 3) receives the poses at evenly spaced instants; may have no rows.
+    place
+        The present pose.
     clock
         The clock now.
 
@@ -72,25 +74,25 @@ def advance(scene: Scene, work: Work, path: Floats, clock: float) -> float:
         The clock at the event or the end of the move; if no step is small enough, minus one minus
         the clock there.
     """
-    place = (work.pose[0], work.pose[1], np.cos(work.pose[2]), np.sin(work.pose[2]))
     rest = work.span - clock
     work.channel[0] = 0.0
     if work.count[CLOSED] == 0:
         for k in range(3):
             work.twist[k] = 0.0
-        start_straight(work)
+        start_straight(work, place)
         return _follow(scene, work, path, clock, rest)
-    velocity(scene, work, place, clock)
+    slopes = velocity(scene, work, place, clock)
     pivot, slider = _guides(scene, work)
     if pivot >= 0 and work.count[CLOSED] == 1 and is_even(work):
-        rest = min(rest, start_sticking(scene, work, pivot, clock))
+        rest = min(rest, start_sticking(scene, work, pivot, place, clock))
         return _follow(scene, work, path, clock, rest)
     if _translates(scene, work, rest):
-        start_straight(work)
+        start_straight(work, place)
         return _follow(scene, work, path, clock, rest)
     channel = in_channel(scene, work)
     if slider < 0 or work.count[CLOSED] != 2 or work.count[HELD] != 3:
         pivot = -1
+    work.slope[0, 0], work.slope[0, 1], work.slope[0, 2] = slopes
     return _integrate(scene, work, path, clock, (pivot, slider, channel))
 
 
@@ -137,13 +139,11 @@ def _integrate(
 ) -> float:
     """Take the motion step by step to the next event or the end of the move.
 
-    The steps of a part that two tips guide, the numbers of whose contacts are given, are exact; so is
-    the turn of one in a channel.
+    The first slope must be there. The steps of a part that two tips guide, the numbers of whose contacts
+    are given, are exact; so is the turn of one in a channel.
     """
     guides, channel = (ways[0], ways[1]), ways[2]
     slope, pose = work.slope, work.pose
-    place = (pose[0], pose[1], np.cos(pose[2]), np.sin(pose[2]))
-    slope[0, 0], slope[0, 1], slope[0, 2] = velocity(scene, work, place, clock)
     step = _FIRST_STEP
     work.before[0] = 0.0
     while clock < work.span:

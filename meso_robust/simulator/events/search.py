@@ -8,6 +8,7 @@ steps below a small part of the curve are cut off.
 import numpy as np
 
 from meso_robust.simulator.events.balance import monitor, velocity
+from meso_robust.simulator.events.closing import speed_between
 from meso_robust.simulator.events.contact import Place, tip_in_body
 from meso_robust.simulator.events.curve import place_at
 from meso_robust.simulator.events.fused import inlined, sealed
@@ -25,6 +26,7 @@ NEGATIVE = -1e-11
 
 _FAR = 0.2  # distance from the circle about the part that needs no measure of its own
 _FINEST = 1.0 / 2048  # of the curve
+_SECTION = 4.0  # of a distance over the speed: as far ahead as a step looks for its own
 _BOLD = 0.95  # of the longest step that two distances would cover if they changed evenly
 _ROOT_STEPS = 60  # halvings alone would reach rounding in 53
 _EXACT = 1e-15  # of the curve, and of a distance: rounding of numbers of order one
@@ -135,16 +137,19 @@ def _march(scene: Scene, work: Work, body: int, limit: tuple[float, float], cloc
     is so much left at its end that the two distances cover it (Keinert and others, *Enhanced sphere
     tracing*, 2014).
     """
-    end, speed = limit
+    end, fastest = limit
     time, here = 0.0, scene.clear[body]
     apart, f_apart = 0.0, here
-    rate = speed  # at which it came closer last
+    rate = fastest  # at which it came closer last
     while time < end:
-        if here >= speed * (end - time):
-            scene.clear[body] = here - speed * (end - time)
+        if here >= fastest * (end - time):
+            scene.clear[body] = here - fastest * (end - time)
             return np.inf
+        until = min(time + _SECTION * here / fastest, end)
+        speed = min(fastest, speed_between(scene, work, body, (time, until), clock))
         safe = max(here / speed, _FINEST * end)
-        step = max(_BOLD * 2.0 * here / (speed + rate), safe)
+        step = max(_BOLD * 2.0 * here / (speed + min(rate, speed)), safe)
+        step = min(step, max(until - time, _FINEST * end))
         ahead = min(time + step, end)
         there = event_value(scene, work, -1 - body, ahead, clock)
         if there < speed * step - here and step > safe:

@@ -1,10 +1,8 @@
 """Start of a run: take the part out of what it overlaps by a rounding error, refuse more."""
 
-import numpy as np
-
 from meso_robust.simulator.events.balance import fill
 from meso_robust.simulator.events.choice import add_row
-from meso_robust.simulator.events.contact import gap, list_touching
+from meso_robust.simulator.events.contact import gap, list_touching, place_of
 from meso_robust.simulator.events.fused import sealed
 from meso_robust.simulator.events.phase import project
 from meso_robust.simulator.events.scene import (
@@ -28,10 +26,10 @@ _ROUNDS = 4  # of pushing back: out of one wall may be into another
 def settle(scene: Scene, work: Work) -> bool:
     """Take the part back by small overlaps, and tell whether nothing overlaps then."""
     for _ in range(_ROUNDS):
-        list_touching(scene, work, 0.0, 0.0, _DEEP)
+        place = place_of(work)
+        list_touching(scene, work, place, 0.0, (0.0, _DEEP))
         if work.count[TOUCHING] == 0:
             break
-        place = (work.pose[0], work.pose[1], np.cos(work.pose[2]), np.sin(work.pose[2]))
         work.count[HELD] = 0
         for c in range(work.count[TOUCHING]):
             kind, i, j = work.contact[c, KIND], work.contact[c, FIRST], work.contact[c, SECOND]
@@ -46,7 +44,7 @@ def settle(scene: Scene, work: Work) -> bool:
 @sealed
 def _is_free(scene: Scene, work: Work) -> bool:
     """Tell whether no tip is in the part and no corner in the fixture."""
-    place = (work.pose[0], work.pose[1], np.cos(work.pose[2]), np.sin(work.pose[2]))
+    place = place_of(work)
     scene.left_out[:] = False
     for body in range(scene.clear.shape[0]):
         if not clearance(scene, work, body, place, 0.0) >= -_LEFT:
