@@ -273,10 +273,12 @@ def _over_way(
 
 def _mean(lower: Floats, upper: Floats) -> tuple[Floats, Floats]:
     """Ends of the mean over axis 1, rounded outward: PIECES terms, and a power of 2 below."""
-    room = (np.abs(lower).sum(1) + np.abs(upper).sum(1)) * (ULP * (PIECES + 2)) + TINY
+    size = np.add.reduce(np.abs(lower), 1) + np.add.reduce(np.abs(upper), 1)
+    room = size * (ULP * (PIECES + 2)) + TINY
     whole = np.isfinite(room)
     with np.errstate(invalid="ignore"):
-        least, most = (lower.sum(1) - room) / PIECES, (upper.sum(1) + room) / PIECES
+        least = (np.add.reduce(lower, 1) - room) / PIECES
+        most = (np.add.reduce(upper, 1) + room) / PIECES
     return np.where(whole, least, -np.inf), np.where(whole, most, np.inf)
 
 

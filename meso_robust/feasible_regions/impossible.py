@@ -9,9 +9,9 @@ Conditions that are merely sufficient (uniqueness, monotony) are never held agai
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 
-from meso_robust.bounds import HALF_PI, Interval, enclose, enclose_rows
+from meso_robust.bounds import HALF_PI, Box, Interval, enclose, enclose_rows
 from meso_robust.bounds.interval import cos
 from meso_robust.conditions import condition
 from meso_robust.feasible_regions.cells import Corner
@@ -19,12 +19,12 @@ from meso_robust.motion import sticking
 from meso_robust.primitives.move import MoveRule
 from meso_robust.primitives.outline import Edge
 from meso_robust.primitives.setup import PoseBox, Setup
-from meso_robust.primitives.tips import one_contact, second_tip, tip_of, touch, touch_offset
+from meso_robust.primitives.tips import one_contact, second_tip, tip_of, touch, touching
 
 POINTS_TO_THE_END = 4
 
 
-def violated(module: str, name: str, boxes: Sequence[Mapping[str, Interval]]) -> bool:
+def violated(module: str, name: str, boxes: Sequence[Box]) -> bool:
     """Whether some output of a generated condition is negative at every point of one of some boxes."""
     of = condition(module, name)
     rows = [{key: box[key] for key in of.inputs} for box in boxes]
@@ -37,7 +37,7 @@ def misses(offset: Interval, edge: Edge) -> bool:
     return offset.lo > edge.half.hi or offset.hi < -edge.half.hi
 
 
-def slips(contacts: Sequence[Mapping[str, Interval]]) -> bool:
+def slips(contacts: Sequence[Box]) -> bool:
     """Whether one of some contacts (`tips.one_contact`) cannot push, stick and turn the part to its side."""
     return any(
         violated("one_point_sticking", name, contacts)
@@ -110,23 +110,27 @@ def _struck(angle: Interval, offset: Interval, side: int, edge: Edge, setup: Set
 
 def straighten_fails(rule: MoveRule, cases: Iterable[tuple[PoseBox, Corner]]) -> bool:
     """Whether a t^2 push fails for all commands of ``rule``, from some pose and at some of what is uncertain."""
-    alone: list[Mapping[str, Interval]] = []
-    together: list[Mapping[str, Interval]] = []
+    leaning: list[tuple[Interval, int, Edge, Setup]] = []
+    places: list[Box] = []
     for pre, at in cases:
         setup, edge = at.setup, at.setup.edge(pre.theta.mid)
-        start, beta = edge.angle(pre.theta), setup.uncertainty.misalignment
-        aligned = HALF_PI + beta
-        if start.hi < aligned.lo:
-            side = 1
-        elif start.lo > aligned.hi:
-            side = -1
-        else:
+        start = edge.angle(pre.theta)
+        aligned = HALF_PI + setup.uncertainty.misalignment
+        side = int(start.hi < aligned.lo) - int(start.lo > aligned.hi)
+        if side == 0:
             continue  # either tip can be first
-        offset = touch_offset(tip_of(rule, side, pre, setup), start, edge)
+        leaning.append((start, side, edge, setup))
+        places.append(touching(rule, side, pre, start, edge, setup))
+    alone: list[Box] = []
+    together: list[Box] = []
+    offsets = sticking.contact_offsets(places) if places else []
+    for offset, (start, side, edge, setup) in zip(offsets, leaning, strict=True):
+        beta = setup.uncertainty.misalignment
         other = offset - Interval.point(float(side)) * (setup.spacing / cos(beta))
         if misses(offset, edge) or misses(other, edge):
             return True
-        alone += [one_contact(angle, offset, side, edge, setup) for angle in (start, aligned)]
+        angles = start, HALF_PI + beta
+        alone += [one_contact(angle, offset, side, edge, setup) for angle in angles]
         together.append(
             {
                 "beta": beta,

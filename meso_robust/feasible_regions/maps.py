@@ -37,7 +37,7 @@ from meso_robust.primitives.move import MoveRule
 from meso_robust.primitives.obligation import Step
 from meso_robust.primitives.outline import Edge
 from meso_robust.primitives.setup import PoseBox, Setup
-from meso_robust.primitives.straighten import certify_straighten
+from meso_robust.primitives.straighten import is_proved
 from meso_robust.primitives.tilt import certify_tilt
 
 Primitive = Literal["tilt", "straighten", "y_translation", "rotation"]
@@ -125,9 +125,7 @@ def straighten_judge(move: _Move) -> Judge:
         rule = at_height(move.rule, height, ahead)
         pre = replace(move.pre, theta=move.edge.orientation(angle))
         fails = straighten_fails(rule, [(pre, at) for at in points])
-        return _verdict(
-            fails, lambda: _proved(certify_straighten(rule, pre, move.setup, whole=False))
-        )
+        return _verdict(fails, lambda: is_proved(rule, pre, move.setup))
 
     return judge
 
@@ -173,8 +171,7 @@ def y_translation_judge(tilt: _Move, straight: _Move) -> Judge:
             step = tilted(height)
             if not _proved(step) or step.post is None:
                 return False
-            there = straight.setup
-            return _proved(certify_straighten(rule, step.post, there, step.leaves, whole=False))
+            return is_proved(rule, step.post, straight.setup)
 
         fails = broken(height) or straighten_fails(rule, after(height))
         return _verdict(fails, proved)

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
-from meso_robust.bounds import Box, Interval, Verdict, enclose, prove_positive
+from meso_robust.bounds import Box, Interval, Verdict, enclose, enclose_rows, prove_positive
 from meso_robust.conditions import condition
 
 
@@ -27,8 +27,24 @@ def contact_offset(angle: Interval, depth: Interval, rise: Interval) -> Interval
     Interval
         Distance from the foot of the centre along the edge (d2), enclosed, m.
     """
-    box = {"theta": angle, "d1": depth, "rise": rise}
-    return enclose(condition("sticking_motion", "contact_offset"), box)[0]
+    return contact_offsets([{"theta": angle, "d1": depth, "rise": rise}])[0]
+
+
+def contact_offsets(places: Sequence[Box]) -> list[Interval]:
+    """Where on the edge tips touch: as `contact_offset`, in far less time than one by one.
+
+    Parameters
+    ----------
+    places
+        The arguments of `contact_offset` in each case: ``theta``, ``d1`` and ``rise``.
+
+    Returns
+    -------
+    list[Interval]
+        One a case, m.
+    """
+    rows = enclose_rows(condition("sticking_motion", "contact_offset"), {}, places)
+    return [row[0] for row in rows]
 
 
 def contact_reach(angle: Interval, depth: Interval, rise: Interval) -> Interval:

@@ -116,12 +116,10 @@ def certify_straighten(
     left: list[tuple[int, Mapping[str, Interval]]] = []
     knots = [Knot(stage="at rest", box=pre)]
     for side, theta in _first_contacts(pre.theta, edge.orientation(aligned) - box["kappa"]):
-        case = _case(side, {**box, "theta": theta}, edge, aligned, whole=whole)
+        there = {**box, "theta": theta}
+        case = _case(side, there, edge, aligned, both=one_tip.POSE, whole=whole)
         if slipping and setup.may_slip and not case.proved:
-            slip = _slip(side, case.box, edge, aligned)
-            if slip is not None:
-                slips = _case(side, slip.box, edge, aligned, slip, whole=whole)
-                case = slips if slips.proved else case
+            case = _slipping(side, there, edge, aligned, both=one_tip.POSE, whole=whole) or case
         obligations += case.obligations[0 if len(obligations) == alike else 1 :]
         part, ends = case.box, case.ends
         if ends is None or not case.proved:
@@ -142,6 +140,33 @@ def certify_straighten(
         tube=tuple(knots),
         leaves=Pushed(cases=tuple(left), guess=aligned.mid) if len(left) == len(posts) else None,
     )
+
+
+def is_proved(rule: MoveRule, pre: PoseBox, setup: Setup) -> bool:
+    """Whether `certify_straighten` proves a t^2 motion, without the box of poses after it.
+
+    Parameters
+    ----------
+    rule, pre, setup
+        As of `certify_straighten`.
+
+    Returns
+    -------
+    bool
+        Less is bounded for it, which those notice that ask a thousand times.
+    """
+    edge = setup.edge(pre.theta.mid)
+    box, aligned = base_box(rule, pre, setup, edge), tips.aligned(setup)
+    if any(one.proof.verdict is not Verdict.PROVED for one in free_at_start((1, -1), box, edge)):
+        return False
+    for side, theta in _first_contacts(pre.theta, edge.orientation(aligned) - box["kappa"]):
+        there = {**box, "theta": theta}
+        case = _case(side, there, edge, aligned, whole=False)
+        if setup.may_slip and not case.proved:
+            case = _slipping(side, there, edge, aligned, whole=False) or case
+        if case.ends is None or not case.proved:
+            return False
+    return True
 
 
 def _hull(one: PoseBox | None, other: PoseBox | None) -> PoseBox | None:
@@ -275,9 +300,13 @@ def _case(
     aligned: Interval,
     slip: _Slip | None = None,
     *,
+    both: Sequence[str] = (),
     whole: bool,
 ) -> _Case:
-    """Prove what must hold if the upper tip (``side`` = 1) or the lower one (-1) touches first."""
+    """Prove what must hold if the upper tip (``side`` = 1) or the lower one (-1) touches first.
+
+    Of the outputs ``both`` the range is bounded beside that.
+    """
     box = box if slip is None else slip.box
     of = one_tip.straighten(side, one_tip.zeros(box))
     left_out = (*_BACK["first"], *_SLIPS) if slip is None else (*_STICKS["first"], _SPARE)
@@ -285,7 +314,7 @@ def _case(
         of,
         box,
         aligned.mid,
-        both=one_tip.POSE,
+        both=both,
         lower=_needed(of, left_out),
         spare=_EITHER,
         proofs_only=not whole,
@@ -304,6 +333,23 @@ def _case(
         )
         proofs.insert(after + 1, slip.bounded)
     return _Case(box=box, ends=ends, obligations=tuple(proofs))
+
+
+def _slipping(
+    side: int,
+    box: Mapping[str, Interval],
+    edge: Edge,
+    aligned: Interval,
+    *,
+    both: Sequence[str] = (),
+    whole: bool,
+) -> _Case | None:
+    """The same if the first tip may slip; None if it is not proved."""
+    slip = _slip(side, box, edge, aligned)
+    if slip is None:
+        return None
+    case = _case(side, slip.box, edge, aligned, slip, both=both, whole=whole)
+    return case if case.proved else None
 
 
 def _needed(of: Implicit, left_out: Sequence[str]) -> list[str]:

@@ -54,20 +54,30 @@ def tip_of(rule: MoveRule, side: int, pre: PoseBox, setup: Setup) -> Tip:
         Its places, with all errors of sensing and of the probe in them.
     """
     u = setup.uncertainty
-    up = Interval.point(float(side)) * HALF * setup.spacing
-    lag = up * sin(u.misalignment) / cos(u.misalignment)
+    lag = _up(side, setup) * sin(u.misalignment) / cos(u.misalignment)
     sensed, off = u.sensed_position, u.probe_position + u.probe_wander
-    start, end = rule.dual, rule.dual_end
     short_x, astray_y = astray(rule, pre, setup)
-    rise = start.y.ahead_of(pre.y, sensed, off) + up
+    rise = _rise(rule, side, pre, setup)
     return Tip(
         side=side,
-        ahead=start.x.ahead_of(pre.x, sensed, off) - lag,
+        ahead=rule.dual.x.ahead_of(pre.x, sensed, off) - lag,
         rise=rise,
-        ahead_end=end.ahead_of(pre.x, sensed, off) - lag + short_x,
+        ahead_end=rule.dual_end.ahead_of(pre.x, sensed, off) - lag + short_x,
         rise_end=rise + astray_y,
         radius=u.tip_radius,
     )
+
+
+def _up(side: int, setup: Setup) -> Interval:
+    """How far above the middle of the pair a tip is, m."""
+    return Interval.point(float(side)) * HALF * setup.spacing
+
+
+def _rise(rule: MoveRule, side: int, pre: PoseBox, setup: Setup) -> Interval:
+    """See ``Tip.rise``."""
+    u = setup.uncertainty
+    off = u.probe_position + u.probe_wander
+    return rule.dual.y.ahead_of(pre.y, u.sensed_position, off) + _up(side, setup)
 
 
 def astray(rule: MoveRule, pre: PoseBox, setup: Setup) -> tuple[Interval, Interval]:
@@ -173,25 +183,27 @@ def touch(tip: Tip, angle: Interval, edge: Edge) -> tuple[Interval, Interval]:
     reach
         x of the tip's centre minus x of the part's centre, m.
     """
-    rise = tip.rise.hull(tip.rise_end)
-    return (
-        touch_offset(tip, angle, edge),
-        sticking.contact_reach(angle, edge.depth + tip.radius, rise),
-    )
+    rise, off = tip.rise.hull(tip.rise_end), edge.depth + tip.radius
+    return sticking.contact_offset(angle, off, rise), sticking.contact_reach(angle, off, rise)
 
 
-def touch_offset(tip: Tip, angle: Interval, edge: Edge) -> Interval:
-    """Where along the edge the tip touches.
+def touching(
+    rule: MoveRule, side: int, pre: PoseBox, angle: Interval, edge: Edge, setup: Setup
+) -> Box:
+    """What says where along the edge a tip touches, for ``sticking.contact_offsets``.
 
     Parameters
     ----------
-    tip, angle, edge
+    rule, side, pre, setup
+        As of `tip_of`, without the rest of it.
+    angle, edge
         As of `touch`.
 
     Returns
     -------
-    Interval
-        d2 of the contact, m.
+    dict
+        An interval for each argument, SI.
     """
-    rise = tip.rise.hull(tip.rise_end)
-    return sticking.contact_offset(angle, edge.depth + tip.radius, rise)
+    rise = _rise(rule, side, pre, setup)
+    rise = rise.hull(rise + astray(rule, pre, setup)[1])
+    return {"theta": angle, "d1": edge.depth + setup.uncertainty.tip_radius, "rise": rise}

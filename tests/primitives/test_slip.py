@@ -8,13 +8,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from meso_robust.bounds import HALF_PI, Interval
+from meso_robust.bounds import HALF_PI, Interval, Verdict
 from meso_robust.planning.x_translation import rule_at
 from meso_robust.primitives.move import from_part
 from meso_robust.primitives.names import Inequality
 from meso_robust.primitives.obligation import Step
 from meso_robust.primitives.setup import PoseBox, Setup
-from meso_robust.primitives.straighten import certify_straighten
+from meso_robust.primitives.straighten import certify_straighten, is_proved
 from meso_robust.types import Floats
 from tests.primitives.replay import Draws
 from tests.primitives.test_tolerance import DEG, UM, real
@@ -33,6 +33,18 @@ def proved() -> tuple[Setup, Step]:
     setup = real(1.0, spacing=580 * UM)
     rule = rule_at(MIDDLE, PRE, setup, from_part(END_UM), step=4, primitive="x_translation")
     return setup, certify_straighten(rule, PRE, setup)
+
+
+def test_the_verdict_alone_is_that_of_the_step() -> None:
+    """Not before its first tip may slip, and not where the pair comes too far off."""
+    setup, step = proved()
+    assert step.verdict is Verdict.PROVED
+    assert is_proved(step.rule, PRE, setup)
+    off = rule_at(2.5 * MIDDLE, PRE, setup, from_part(END_UM), step=4, primitive="x_translation")
+    assert certify_straighten(off, PRE, setup, whole=False).verdict is not Verdict.PROVED
+    assert not is_proved(off, PRE, setup)
+    sticks = certify_straighten(step.rule, PRE, setup, whole=False, slipping=False)
+    assert sticks.verdict is not Verdict.PROVED
 
 
 @dataclass

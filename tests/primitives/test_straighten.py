@@ -13,7 +13,12 @@ from meso_robust.bounds import HALF_PI, Interval, Verdict
 from meso_robust.planning.x_translation import FAR_UM, rule_at
 from meso_robust.primitives.move import from_part
 from meso_robust.primitives.setup import setup_of
-from meso_robust.primitives.straighten import _first_contacts, certify_straighten, refuted
+from meso_robust.primitives.straighten import (
+    _first_contacts,
+    certify_straighten,
+    is_proved,
+    refuted,
+)
 from meso_robust.task import Task
 
 ALIGNED = Interval(1.56, 1.58)
@@ -55,6 +60,7 @@ def test_pushes_refuted_together_are_those_that_are_not_proved_one_by_one(lean_d
     together = refuted(rules[0], pre, setup, middles)
 
     assert together.tolist() == [not one for one in proved]
+    assert [is_proved(rule, pre, setup) for rule in rules[1:]] == proved
     assert 0 < sum(proved) < len(proved)
 
 
