@@ -146,7 +146,8 @@ def _march(scene: Scene, work: Work, body: int, limit: tuple[float, float], cloc
             scene.clear[body] = here - fastest * (end - time)
             return np.inf
         until = min(time + _SECTION * here / fastest, end)
-        speed = min(fastest, speed_between(scene, work, body, (time, until), clock))
+        speed = speed_between(scene, work, body, (time, until), clock)
+        speed = min(fastest, speed + _EXACT * fastest)  # never nothing, by which steps are divided
         safe = max(here / speed, _FINEST * end)
         step = max(_BOLD * 2.0 * here / (speed + min(rate, speed)), safe)
         step = min(step, max(until - time, _FINEST * end))
