@@ -267,19 +267,24 @@ def _end_at(
         sample_curve(work, path, clock, time)
         work.pose[0], work.pose[1], work.pose[2] = pose_at(work, time)
     elif time > 0.0:
+        found = pose_at(work, time)
         stride(scene, work, clock, time)
-        place = (work.trial[0], work.trial[1], np.cos(work.trial[2]), np.sin(work.trial[2]))
-        slopes = velocity(scene, work, place, clock + time)
-        start_cubic(work, time, slopes)
-        time = _polish(scene, work, quantity, time, clock)
-        for body in range(scene.clear.shape[0]):
-            # the curve on which events were looked for is less exact than this one: a touch a hair
-            # before this event may have been passed
-            if event_value(scene, work, -1 - body, time, clock) < NEGATIVE:
-                time = _polish(scene, work, -1 - body, time, clock)
-        ended = pose_at(work, time)
-        sample_step(scene, work, path, clock, time)
-        work.pose[0], work.pose[1], work.pose[2] = ended
+        x, y, theta = work.trial[0], work.trial[1], work.trial[2]
+        slopes = velocity(scene, work, (x, y, np.cos(theta), np.sin(theta)), clock + time)
+        if abs(slopes[0]) + abs(slopes[1]) + abs(slopes[2]) < np.inf:
+            start_cubic(work, time, slopes)
+            time = _polish(scene, work, quantity, time, clock)
+            for body in range(scene.clear.shape[0]):
+                # the curve on which events were looked for is less exact than this one: a touch a
+                # hair before this event may have been passed
+                if event_value(scene, work, -1 - body, time, clock) < NEGATIVE:
+                    time = _polish(scene, work, -1 - body, time, clock)
+            found = pose_at(work, time)
+            sample_step(scene, work, path, clock, time)
+        else:
+            # two forces on one line to the last bit: there is no velocity, and no step that ends here
+            sample_curve(work, path, clock, time)
+        work.pose[0], work.pose[1], work.pose[2] = found
     clock = min(clock + time, work.span)
     project(scene, work, clock)
     return clock

@@ -172,3 +172,15 @@ def test_runs_with_large_uncertainties_end_as_in_fine_steps() -> None:
     assert {-1, 0, 1} <= set(found.outcomes.tolist())
     np.testing.assert_array_equal(found.outcomes, steps.outcomes)
     np.testing.assert_array_equal(found.failed_in, steps.failed_in)
+
+
+def test_a_jam_to_the_last_bit_is_no_pose_out_of_range() -> None:
+    """Two forces on one line leave no velocity where the step up to the jam ends: 7 of these were NaN."""
+    player = exactly(2.5)
+    row = player.draw(2000, np.random.default_rng(11))[[1542]]
+    other = np.random.default_rng(0).uniform(-1e-15, 1e-15, (4000, row.shape[1]))
+    found = player.run(row * (1.0 + other), record=8)
+    assert set(found.outcomes.tolist()) == {Outcome.JAM}
+    assert set(found.failed_in.tolist()) == {2}
+    paths = found.moves[2].path
+    assert np.ptp(paths, axis=0).max() < 1e-7  # m and rad
