@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from enum import Enum
-from functools import partial
+from functools import cache, partial
 
 from meso_robust.bounds import HALF_PI, Verdict
 from meso_robust.errors import NotApplicableError
@@ -45,7 +45,7 @@ MOST_Y_TRANSLATIONS = 2  # each needs room in x that the start must have
 IN_HAND = (1.2, 1.1, 1.0)  # a plan that bears more than the task's uncertainties is preferred
 AT_ONCE_S = 6.0  # s of computing: what is preferred and not found by then waits until there is a plan at all
 NOTHING_S = (
-    4.0  # s of computing: whether there is a plan for the least uncertainties, asked meanwhile
+    2.5  # s of computing: whether there is a plan for the least uncertainties, asked meanwhile
 )
 ROOM = 1.01  # on top, where boxes of a certificate leave room for another enclosure and little is to spare
 NARROWED = 0.1  # one uncertainty alone, to find the one that stands in the way
@@ -131,21 +131,21 @@ def compose(task: Task, search_s: float | None = None) -> Found:
         No primitive can handle the start pose, or no plan was found however small the uncertainties.
     """
     ways, choices = _ways(task), _choices(task)
+    last = cache(partial(_rules, task, ways, choices[-1], REDUCED[-1]))
     settling = None if search_s is None else SETTLING * search_s
     ended = None
     try:
         with limited(search_s):
-            found = _for_task(task, ways, choices)
+            found = _for_task(task, ways, choices, last)
     except EffortSpentError:
         found, ended = None, search_s
     if found is not None:
         return found
-    headings = choices[-1]
     closest: Found | None = None
     within = ended
     try:
         with limited(settling):
-            for closest in _narrowed(task, ways, headings):
+            for closest in _narrowed(task, ways, choices[-1], last):
                 if closest.scale > REDUCED[-1]:
                     break
     except EffortSpentError:
@@ -173,25 +173,36 @@ def _no_plan(task: Task) -> NotApplicableError:
     )
 
 
+_LastResort = Callable[[], tuple[MoveRule, ...] | None]
+"""The plan for the least uncertainties, None if none is found; looked for once."""
+
+
 def _for_task(
-    task: Task, ways: Sequence[_Way], choices: Sequence[Sequence[Heading]]
+    task: Task,
+    ways: Sequence[_Way],
+    choices: Sequence[Sequence[Heading]],
+    last: _LastResort,
 ) -> Found | None:
     """The first plan that bears the task's uncertainties."""
+    hopeless = cache(partial(_none_at_all, task, last))
     # with a slot, one that is robust in the open shows what the walls are in the way of
     for walls in (Walls.CLEAR,) if task.slot is None else Walls:
-        for headings in choices:
-            found = _with_most_in_hand(task, ways, headings, walls)
+        for choice, headings in enumerate(choices):
+            rules_at = partial(_rules, task, ways, headings, walls=walls, alone=choice == 0)
+            found = _with_most_in_hand(task, rules_at, hopeless)
             if found is not None:
                 return found
     return None
 
 
-def _narrowed(task: Task, ways: Sequence[_Way], headings: Sequence[Heading]) -> Iterator[Found]:
+def _narrowed(
+    task: Task, ways: Sequence[_Way], headings: Sequence[Heading], last_resort: _LastResort
+) -> Iterator[Found]:
     """Plans for smaller uncertainties: first the last resort, if there is one, then any that is closer.
 
     An uncertainty that the last resort does not bear alone is suspected to stand in the way of others.
     """
-    last = _rules(task, ways, headings, REDUCED[-1])
+    last = last_resort()
     if last is None:
         return
     yield Found(rules=last, scale=REDUCED[-1])
@@ -258,27 +269,28 @@ def robust_at(task: Task, scale: float) -> tuple[MoveRule, ...] | None:
 
 
 def _with_most_in_hand(
-    task: Task, ways: Sequence[_Way], headings: Sequence[Heading], walls: Walls
+    task: Task,
+    rules_at: Callable[[float], tuple[MoveRule, ...] | None],
+    hopeless: Callable[[], None],
 ) -> Found | None:
     """The plan that bears the most; where none bears the task's uncertainties none bears more."""
     room = ROOM if setup_of(task).may_slip else 1.0
     most, more, least = (scale * room if scale > 1.0 else scale for scale in IN_HAND)
     try:
         with limited(AT_ONCE_S):
-            rules = _rules(task, ways, headings, most, walls=walls)
+            rules = rules_at(most)
         further = [more]
     except EffortSpentError:
         rules, further = None, [most, more]
-        if _none_at_all(task, ways):
-            raise _no_plan(task) from None
     if rules is not None:
         return Found(rules=rules, scale=most)
-    rules = _rules(task, ways, headings, least, walls=walls)
+    hopeless()
+    rules = rules_at(least)
     if rules is None:
         return None
     try:
         for scale in further:
-            better = _rules(task, ways, headings, scale, walls=walls)
+            better = rules_at(scale)
             if better is not None:
                 return Found(rules=better, scale=scale)
     except EffortSpentError:
@@ -286,13 +298,15 @@ def _with_most_in_hand(
     return Found(rules=rules, scale=least)
 
 
-def _none_at_all(task: Task, ways: Sequence[_Way]) -> bool:
-    """Whether it is soon seen that no plan is found however small the uncertainties."""
+def _none_at_all(task: Task, last: _LastResort) -> None:
+    """Refuse a task for which it is soon seen that no plan is found however small the uncertainties."""
     try:
         with limited(NOTHING_S):
-            return _rules(task, ways, _choices(task)[-1], REDUCED[-1]) is None
+            if last() is not None:
+                return
     except EffortSpentError:
-        return False
+        return
+    raise _no_plan(task)
 
 
 def _choices(task: Task) -> list[Sequence[Heading]]:
@@ -313,6 +327,7 @@ def _rules(
     only: str | None = None,
     *,
     walls: Walls | None = None,
+    alone: bool = True,
 ) -> tuple[MoveRule, ...] | None:
     """The first plan that is proved with all its ways; without ``walls`` in the open."""
     setup = setup_of(task, scale, only)
@@ -322,7 +337,7 @@ def _rules(
         # proposed without a slot, or pushes that a wall is in the way of were left out
         setup = _in_the_open(setup)
     guide = walls is Walls.GUIDE
-    for rules in _proposed(task, setup, ways, headings, guide=guide):
+    for rules in _proposed(task, setup, ways, headings, guide=guide, alone=alone):
         if _proved(rules, setup):
             return rules
         cut = guided(rules, setup) if guide else None
@@ -342,12 +357,18 @@ def _last_headings(ways: Sequence[_Way], headings: Sequence[Heading]) -> Sequenc
 
 
 def _proposed(
-    task: Task, setup: Setup, ways: Sequence[_Way], headings: Sequence[Heading], *, guide: bool
+    task: Task,
+    setup: Setup,
+    ways: Sequence[_Way],
+    headings: Sequence[Heading],
+    *,
+    guide: bool,
+    alone: bool,
 ) -> Iterator[tuple[MoveRule, ...]]:
     """Plans of which every move is proved to end where it should, in the open."""
     if len(headings) > 1:
         yield from _in_any(task, setup, ways, headings, guide=guide)
-    for way in _forward(ways):
+    for way in _forward(ways) if alone else ():
         steps = _compose(task, way.frame.setup(setup), way.turns)
         if steps is not None:
             yield _placed(steps, way.frame)

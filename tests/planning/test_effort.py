@@ -135,3 +135,43 @@ def test_a_search_that_came_to_its_end_did_not_give_up(monkeypatch: pytest.Monke
     found = compose.compose(paper_task(), 7.0)
     assert (found.scale, found.searched_s) == (compose.REDUCED[-1], None)
     assert "--search-s" not in words(found.settled_by)
+
+
+def asked(monkeypatch: pytest.MonkeyPatch, least: float) -> list[tuple[float, int, bool]]:
+    """What is searched for: scale, number of headings, and whether pushes in one will do.
+
+    Only searches below the scale ``least`` are carried out; the others find nothing.
+    """
+    seen: list[tuple[float, int, bool]] = []
+    searched = compose._rules
+
+    def rules(*args: Any, **more: Any) -> Sequence[object] | None:
+        seen.append((args[SCALE], len(args[2]), more.get("alone", True)))
+        return searched(*args, **more) if args[SCALE] < least else None
+
+    monkeypatch.setattr(compose, "_rules", rules)
+    return seen
+
+
+def test_a_task_without_any_plan_is_told_from_the_least_uncertainties(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Before all that a plan for the task's own would be looked for with: tips that must jam."""
+    seen = asked(monkeypatch, 2.0)
+    with pytest.raises(NotApplicableError, match=r"all uncertainties scaled by 0\.03"):
+        compose.compose(paper_task(probe__tip_spacing_um=200.0))
+    assert seen == [(1.2, 0, True), (0.03, 4, True)]
+
+
+def test_nothing_is_searched_twice(monkeypatch: pytest.MonkeyPatch) -> None:
+    """With other headings, pushes in one are left out, which failed; the last resort is looked for once."""
+    seen = asked(monkeypatch, 0.05)
+    compose.compose(paper_task())
+    assert seen[:5] == [
+        (1.2, 0, True),
+        (0.03, 4, True),
+        (1.0, 0, True),
+        (1.2, 4, False),
+        (1.0, 4, False),
+    ]
+    assert [one[0] for one in seen].count(0.03) == 1
