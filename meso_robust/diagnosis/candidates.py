@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -12,6 +12,8 @@ from meso_robust.diagnosis.rejection import Ground, Rejection
 from meso_robust.simulator.catalogue import CATALOGUE
 
 _PRIOR_NATS = np.log(len(CATALOGUE))  # of each further effect: one of the catalogue was picked
+EXAMINED_NATS = 25.0
+"""Behind the best, beyond which a set is neither refined nor asked: e²⁵ times less likely."""
 # of the probability may be outside the answers
 _UNCLAIMED_SHARE = 0.05
 # by which an image must be likelier turned or scaled about the very origin of the stage than about a place: nobody has
@@ -99,6 +101,54 @@ class Naming:
         return self.answers[0] if self.answers else self.best
 
 
+def other_forms(one: Candidate, naming: Naming) -> tuple[Candidate, ...]:
+    """A set with other forms of its laws, those that the fits leave open beside the likeliest set.
+
+    Parameters
+    ----------
+    one
+        Of the competition.
+    naming
+        Its outcome.
+
+    Returns
+    -------
+    tuple
+        The likeliest first. The detector was not asked of them.
+    """
+    top = max(each.score for each in naming.candidates)
+    least = top - max(EXAMINED_NATS, SCORE_SHARE * top)
+    own = one.refit
+    made = (
+        replace(
+            one,
+            refit=replace(
+                form,
+                others=(replace(own, others=()), *(of for of in own.others if of is not form)),
+            ),
+            adequate=None,
+            p_value=np.nan,
+            rejected=None,
+        )
+        for form in own.others
+    )
+    return tuple(each for each in made if each.score >= least)
+
+
+def exchanged(naming: Naming, turned: Mapping[tuple[str, ...], Candidate]) -> Naming:
+    """An outcome with some sets, by their effects, in another form."""
+
+    def of(one: Candidate) -> Candidate:
+        return turned.get(one.effects, one)
+
+    return replace(
+        naming,
+        answers=tuple(map(of, naming.answers)),
+        best=naming.best and of(naming.best),
+        candidates=tuple(map(of, naming.candidates)),
+    )
+
+
 def why_not(one: Candidate, naming: Naming) -> Rejection | None:
     """Why a set of the competition is no answer; None if it is one."""
     if one.effects in {answer.effects for answer in naming.answers}:
@@ -133,7 +183,7 @@ def supported(one: Candidate, field: list[Candidate]) -> Candidate:
 
 
 def best_of_each(fits: list[Refit]) -> list[Refit]:
-    """The best form of every set, with its lead over the best with another form of a law."""
+    """The best form of every set, with the best of each other form of its laws."""
     sets: dict[tuple[str, ...], list[Refit]] = {}
     for one in sorted(fits, key=lambda one: -one.gain):
         sets.setdefault(one.effects, []).append(one)
@@ -145,9 +195,16 @@ def _leading(own: list[Refit]) -> Refit:
     general = next((one for one in rest if _with_a_place(one, best)), None)
     if general is not None and general.gain > best.gain - _PLACE_NATS:
         best, rest = general, [best, *(one for one in rest if one is not general)]
-    laws = [trial.law for trial in best.trials]
-    other = next((one for one in rest if [trial.law for trial in one.trials] != laws), None)
-    return best if other is None else replace(best, lead=best.gain - other.gain)
+    others: dict[tuple[float, ...], Refit] = {}
+    for one in rest:
+        others.setdefault(_laws(one), one)
+    others.pop(_laws(best), None)
+    return replace(best, others=tuple(others.values()))
+
+
+def _laws(one: Refit) -> tuple[float, ...]:
+    """Numbers of the forms of the laws of a set."""
+    return tuple(trial.law for trial in one.trials)
 
 
 def _with_a_place(one: Refit, best: Refit) -> bool:

@@ -21,7 +21,13 @@ from scipy.stats import norm, t as student
 
 from meso_robust.copies import shared
 from meso_robust.diagnosis.baseline import Baseline
-from meso_robust.diagnosis.candidates import SCORE_SHARE, Candidate, Naming
+from meso_robust.diagnosis.candidates import (
+    SCORE_SHARE,
+    Candidate,
+    Naming,
+    exchanged,
+    other_forms,
+)
 from meso_robust.diagnosis.document import Channel, Verdict
 from meso_robust.diagnosis.folds import Bench, RollOut, intervals_by_fold, rolled_out
 from meso_robust.diagnosis.localisation import Located
@@ -283,14 +289,19 @@ def graded(
     chosen: Candidate | None = None
     rivals: tuple[Candidate, ...] = ()
     everywhere = True
+    turned: dict[Names, Candidate] = {}
     for asked, pool in _pools(naming, quick):
-        pool = _predicted(bench, predicted, pool)
+        pool = _predicted(bench, predicted, tuple(turned.get(one.effects, one) for one in pool))
         judge = _Judge(bench, predicted, _floor(bench, predicted, reach))
         size = _size_left(judge, ())
         missing = asked is not None and _is_left(judge, (), matters)
         # of a single recording none can be left out: what its own fit explains proves nothing
         if asked and pool and missing and bench.count > 1:
-            chosen, rivals, everywhere = _answer(judge, asked, pool, seed)
+            known = exchanged(asked, turned)
+            found, other = _in_open_forms(known, pool, judge, reach, seed)
+            chosen, rivals, everywhere = found
+            turned |= other
+            judge = _Judge(bench, predicted, _floor(bench, predicted, reach))
         if chosen is not None or not missing or bench.count == 1:
             break
     beside: Names = ()
@@ -538,6 +549,44 @@ def _floor(bench: Bench, predicted: Mapping[Names, RollOut], reach: float | None
 
 def _refuted(one: Candidate) -> bool:
     return one.rejected is not None and one.rejected.ground is Ground.HELD_OUT_WORSE
+
+
+_Answer = tuple[Candidate | None, tuple[Candidate, ...], bool]
+
+
+def _in_open_forms(
+    naming: Naming, pool: tuple[Candidate, ...], judge: _Judge, reach: float | None, seed: int
+) -> tuple[_Answer, dict[Names, Candidate]]:
+    """As `_answer`, with no law put aside before each of its forms that the fits leave open was asked.
+
+    Returns the sets as well that predict better in another form.
+    """
+    turned: dict[Names, Candidate] = {}
+    asked: set[Names] = set()
+    while True:
+        pool = tuple(turned.get(one.effects, one) for one in pool)
+        found = _answer(judge, exchanged(naming, turned), pool, seed)
+        kept = [set(one.effects) for one in (found[0], *found[1]) if one is not None]
+        aside = [
+            one
+            for one in pool
+            if one.effects not in asked
+            and not any(set(one.effects) <= own or own <= set(one.effects) for own in kept)
+        ]
+        better: dict[Names, Candidate] = {}
+        for one in aside:
+            asked.add(one.effects)
+            for form in other_forms(one, naming):
+                tried: dict[Names, RollOut] = {(): judge.seen[()]}
+                least = float(judge.sums(one.effects).sum())
+                done = _predicted(judge.bench, tried, (form,))
+                if done and float(tried[form.effects].squares.sum()) < least:
+                    judge.seen[form.effects] = tried[form.effects]
+                    better[form.effects] = form
+        if not better:
+            return found, turned
+        turned |= better
+        judge = _Judge(judge.bench, judge.seen, _floor(judge.bench, judge.seen, reach))
 
 
 def _answer(
