@@ -9,7 +9,7 @@ import numpy as np
 
 from meso_robust.diagnosis.refit import Refit
 from meso_robust.diagnosis.rejection import Ground, Rejection
-from meso_robust.simulator.catalogue import CATALOGUE
+from meso_robust.simulator.catalogue import CATALOGUE, family_of
 
 _PRIOR_NATS = np.log(len(CATALOGUE))  # of each further effect: one of the catalogue was picked
 EXAMINED_NATS = 25.0
@@ -21,6 +21,8 @@ _UNCLAIMED_SHARE = 0.05
 _PLACE_NATS = 3.0
 SCORE_SHARE = 0.005
 """Of what a set explains: how well a simulator of finite steps knows scores."""
+SPECIAL_CASE = {"camera_anisotropy": "camera_scale", "uneven_support": "dry_friction"}
+"""Of a law with more parameters: one that explains as much is the answer, and the general one no rival."""
 _SUPERSET_NATS = 2.0  # by which a larger set must be better than a part of it
 _SAME_MOTION_SIGMA = 4.0  # of all frames together, up to which no recording tells two motions apart
 # behind a set that is not enough, at which an adequate one is so by chance
@@ -238,7 +240,10 @@ def with_probabilities(field: list[Candidate]) -> list[Candidate]:
 
 
 def without_duplicates(field: list[Candidate]) -> list[Candidate]:
-    """Mark sets that make the motion of a simpler one with more numbers."""
+    """Mark sets that make the motion of a simpler one with more numbers.
+
+    Two single effects of different physics leave open which it is: that one has a number less does not tell.
+    """
     kept: list[Candidate] = []
     for one in sorted(field, key=lambda one: (one.refit.numbers, -one.score)):
         same = [
@@ -247,12 +252,18 @@ def without_duplicates(field: list[Candidate]) -> list[Candidate]:
             if not other.rejected
             and other.refit.numbers < one.refit.numbers
             and one.score < other.score
+            and (len(one.effects) > 1 or _same_physics(one.effects[0], other.effects[0]))
             and np.linalg.norm(one.refit.rows - other.refit.rows) < _SAME_MOTION_SIGMA
         ]
         if same and not one.rejected:
             one = replace(one, rejected=Rejection(ground=Ground.SAME_MOTION, names=same[0].effects))
         kept.append(one)
     return ranked(kept)
+
+
+def _same_physics(general: str, special: str) -> bool:
+    """Whether an effect is another law of the same physics as another one, or has it as a special case."""
+    return family_of(general) == family_of(special) or SPECIAL_CASE.get(general) == special
 
 
 def freed(field: list[Candidate]) -> list[Candidate]:

@@ -23,6 +23,7 @@ from meso_robust.copies import shared
 from meso_robust.diagnosis.baseline import Baseline
 from meso_robust.diagnosis.candidates import (
     SCORE_SHARE,
+    SPECIAL_CASE,
     Candidate,
     Naming,
     exchanged,
@@ -78,9 +79,6 @@ _NEARLY_ALL = 0.8  # likewise, of one whose size need not be as sure
 _ALIKE_SHARE = 0.8  # of what the best further member takes away, from which on another is as good
 
 Names = tuple[str, ...]
-
-SPECIAL_CASE = {"camera_anisotropy": "camera_scale", "uneven_support": "dry_friction"}
-"""Of a law with more parameters: one that explains as much is the answer, and the general one no rival."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -214,6 +212,11 @@ class _Judge:
     def explainable(self) -> float:
         """Sum of squares of the plain model beyond the floor; positive."""
         return max(float(np.sum(self.sums(()) - self.floor)), 1e-12)
+
+    @property
+    def chance(self) -> float:
+        """Sum of squares beyond the floor that noise makes: it varies by √(2 N) of N data."""
+        return _CHANCE * float(np.sqrt(2.0 * self.bench.seen.sum()))
 
     def share(self, names: Names) -> float:
         """Of the explainable error, that a set explains."""
@@ -526,10 +529,8 @@ def _adds_alike(judge: _Judge, part: Candidate, best: Candidate, other: Candidat
 
 def _is_left(judge: _Judge, names: Names, matters: float) -> bool:
     """Whether a set leaves what matters, and more than noise makes."""
-    # sums of squares of noise vary by themselves, by √(2 N) of N data
-    chance = _CHANCE * float(np.sqrt(2.0 * judge.bench.seen.sum()))
     left = max(float(np.sum(judge.sums(names) - judge.floor)), 1e-12)
-    return _size_left(judge, names) >= matters and left > chance
+    return _size_left(judge, names) >= matters and left > judge.chance
 
 
 def _floor(bench: Bench, predicted: Mapping[Names, RollOut], reach: float | None) -> Floats:
@@ -717,13 +718,15 @@ def _behind(judge: _Judge, chosen: Candidate, rival: Candidate, seed: int) -> bo
 
     Of two laws that are alike where a fit may bend them, other recordings tell; but they are no witness against a law
     that was the likelier one, as one recording may be far off for a number that no other tells. For the same reason
-    the chosen one must leave next to nothing beside what the other leaves.
+    the chosen one must leave next to nothing beside what the other leaves, and that more than noise makes.
     """
     if rival.score - chosen.score > SCORE_SHARE * chosen.score:
         return False
     own, other = (judge.sums(one.effects) for one in (chosen, rival))
     left, more = (max(float(np.sum(of - judge.floor)), 0.0) for of in (own, other))
     excess = max(float(own.sum() / judge.floor.sum()), 1.0)
+    if more <= judge.chance:
+        return False
     if 0.5 * (more - left) <= _EQUAL_NATS * excess or left > (1.0 - _NEARLY_ALL) * more:
         return False
     return _surely_worse(judge, chosen, rival, seed)

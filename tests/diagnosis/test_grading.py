@@ -242,10 +242,12 @@ def stood(
     sums: dict[tuple[str, ...], list[float]],
     floor: float = 100.0,
     lost: tuple[tuple[str, ...], ...] = (),
+    chance: float = 50.0,
 ) -> _Judge:
     """A judge of eight recordings, a fold each, that has predicted some sets, some of them in vain."""
     made = SimpleNamespace(
         floor=np.full(8, floor),
+        chance=chance,
         sums=lambda names: np.array(sums[names]),
         explainable=sum(sums[()]) - 8 * floor,
         share=lambda names: (sum(sums[()]) - sum(sums[names])) / (sum(sums[()]) - 8 * floor),
@@ -378,6 +380,8 @@ def test_of_two_laws_that_are_alike_where_they_were_fitted_other_recordings_tell
     assert _equal(judge, a, more, 0)
     assert _answer(judge, contest(a, less, answers=(a, less)), (a, less), 0) == (a, (), True)
     assert _answer(judge, contest(a, more, answers=(a, more)), (a, more), 0) == (a, (more,), True)
+    # nor is what noise makes
+    assert _equal(stood({(): PLAIN, ("a",): NOISE, ("b",): worse}, chance=170.0), a, less, 0)
     # nor is what leaves something itself
     half = [one + 10.0 for one in NOISE]
     assert _equal(stood({(): PLAIN, ("a",): half, ("b",): worse}), a, less, 0)

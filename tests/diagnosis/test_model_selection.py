@@ -135,6 +135,18 @@ def test_the_same_motion_with_more_numbers_is_a_duplicate() -> None:
     assert [name for name, one in found.items() if one.rejected] == ["stribeck_friction"]
 
 
+def test_the_same_motion_by_other_physics_leaves_open_which_it_is() -> None:
+    wall = candidate("wall_capillarity", score=10.0, numbers=3)
+    force = candidate("body_force", score=9.0, numbers=4)
+    both = candidate("body_force", "part_yaw", score=9.0, numbers=4)
+    general = candidate("uneven_support", score=9.0, numbers=3)
+    special = candidate("dry_friction", score=10.0, numbers=1)
+    assert [one.rejected for one in without_duplicates([wall, force])] == [None, None]
+    for one, other in ((wall, both), (special, general)):
+        found = without_duplicates([one, other])
+        assert [each.rejected for each in found] == [None, same_as(*one.effects)]
+
+
 def test_a_duplicate_of_what_is_not_enough_may_yet_answer() -> None:
     short = candidate("dry_friction", adequate=False, rejected=LEFT)
     same = candidate("stribeck_friction", rejected=same_as("dry_friction"))
