@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.stats import chi2 as chi2_law
 
 from meso_robust.diagnosis.baseline import Baseline
-from meso_robust.diagnosis.candidates import Candidate, Naming
+from meso_robust.diagnosis.candidates import Candidate, Naming, exchanged, other_forms
 from meso_robust.diagnosis.controls import catch_all
 from meso_robust.diagnosis.invariances import Pair
 from meso_robust.diagnosis.localisation import Located, predicted_pairs
@@ -69,6 +69,11 @@ class Accepted:
     catch_all: float | None
     worths: Mapping[tuple[str, ...], Worth]
 
+    def worth_of(self, one: Candidate) -> Worth | None:
+        """Errors of a set, if it was asked in this form."""
+        asked = any(each.refit is one.refit for each in self.naming.candidates)
+        return self.worths.get(one.effects) if asked else None
+
 
 def accepted(
     naming: Naming, where: Located, baseline: Baseline, plain: Worth, recordings: Split
@@ -90,9 +95,9 @@ def accepted(
     floor = _floor(baseline, plain, recordings)
     worths = {one.effects: worth(baseline, one.refit, held_out) for one in _asked(naming, held_out)}
     answers = [one.effects for one in naming.answers]
-    found = judged(
-        naming,
-        Witnesses(
+
+    def heard(worths: Mapping[tuple[str, ...], Worth]) -> Witnesses:
+        return Witnesses(
             errors={(): plain.judged} | {names: one.judged for names, one in worths.items()},
             unseen=held_out is not None,
             reach=max(baseline.noise.floor, floor or 0.0),
@@ -101,8 +106,12 @@ def accepted(
                 names: predicted_pairs(baseline, where.pairs, worths[names].training.poses)
                 for names in answers
             },
-        ),
+        )
+
+    naming, worths = in_open_forms(
+        naming, worths, heard, lambda one: worth(baseline, one.refit, held_out)
     )
+    found = judged(naming, heard(worths))
     if not found.answers and held_out is not None:
         some = found.candidates[:_PARTIAL_SETS]
         worths |= {
@@ -133,6 +142,48 @@ def _floor(baseline: Baseline, plain: Worth, recordings: Split) -> float | None:
     if recordings.held_out is None or plain.held_out is None:
         return catch_all(recordings.training, baseline.prepared, baseline)
     return catch_all(recordings.held_out, plain.held_out.prepared, baseline)
+
+
+def in_open_forms(
+    naming: Naming,
+    worths: Mapping[tuple[str, ...], Worth],
+    heard: Callable[[Mapping[tuple[str, ...], Worth]], Witnesses],
+    ask: Callable[[Candidate], Worth],
+) -> tuple[Naming, dict[tuple[str, ...], Worth]]:
+    """The answers, those that a witness speaks against in another form of their law that none speaks against.
+
+    The fits leave open which form it is: what other recordings refute is the one that was a little likelier.
+
+    Parameters
+    ----------
+    naming
+        Outcome of the competition.
+    worths
+        Errors of the sets that were asked, by their effects.
+    heard
+        Makes of them what speaks for and against sets.
+    ask
+        Makes the errors of a set in another form.
+    """
+    worths, asked = dict(worths), set[tuple[str, ...]]()
+    while True:
+        told = heard(worths)
+        short = next(
+            (
+                one
+                for one in naming.answers
+                if one.effects not in asked and _against(one, naming.answers, told)
+            ),
+            None,
+        )
+        if short is None:
+            return naming, worths
+        asked.add(short.effects)
+        for form in other_forms(short, naming):
+            also = worths | {form.effects: ask(form)}
+            if not _against(form, naming.answers, heard(also)):
+                naming, worths = exchanged(naming, {form.effects: form}), also
+                break
 
 
 def judged(naming: Naming, told: Witnesses) -> Naming:

@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from meso_robust.diagnosis.refit import Refit
 from meso_robust.diagnosis.rejection import Ground, Rejection
-from meso_robust.simulator.catalogue import CATALOGUE
+from meso_robust.simulator.catalogue import CATALOGUE, family_of
 
 _PRIOR_NATS = np.log(len(CATALOGUE))  # of each further effect: one of the catalogue was picked
+EXAMINED_NATS = 25.0
+"""Behind the best, beyond which a set is neither refined nor asked: e²⁵ times less likely."""
 # of the probability may be outside the answers
 _UNCLAIMED_SHARE = 0.05
 # by which an image must be likelier turned or scaled about the very origin of the stage than about a place: nobody has
@@ -19,6 +21,8 @@ _UNCLAIMED_SHARE = 0.05
 _PLACE_NATS = 3.0
 SCORE_SHARE = 0.005
 """Of what a set explains: how well a simulator of finite steps knows scores."""
+SPECIAL_CASE = {"camera_anisotropy": "camera_scale", "uneven_support": "dry_friction"}
+"""Of a law with more parameters: one that explains as much is the answer, and the general one no rival."""
 _SUPERSET_NATS = 2.0  # by which a larger set must be better than a part of it
 _SAME_MOTION_SIGMA = 4.0  # of all frames together, up to which no recording tells two motions apart
 # behind a set that is not enough, at which an adequate one is so by chance
@@ -99,6 +103,54 @@ class Naming:
         return self.answers[0] if self.answers else self.best
 
 
+def other_forms(one: Candidate, naming: Naming) -> tuple[Candidate, ...]:
+    """A set with other forms of its laws, those that the fits leave open beside the likeliest set.
+
+    Parameters
+    ----------
+    one
+        Of the competition.
+    naming
+        Its outcome.
+
+    Returns
+    -------
+    tuple
+        The likeliest first. The detector was not asked of them.
+    """
+    top = max(each.score for each in naming.candidates)
+    least = top - max(EXAMINED_NATS, SCORE_SHARE * top)
+    own = one.refit
+    made = (
+        replace(
+            one,
+            refit=replace(
+                form,
+                others=(replace(own, others=()), *(of for of in own.others if of is not form)),
+            ),
+            adequate=None,
+            p_value=np.nan,
+            rejected=None,
+        )
+        for form in own.others
+    )
+    return tuple(each for each in made if each.score >= least)
+
+
+def exchanged(naming: Naming, turned: Mapping[tuple[str, ...], Candidate]) -> Naming:
+    """An outcome with some sets, by their effects, in another form."""
+
+    def of(one: Candidate) -> Candidate:
+        return turned.get(one.effects, one)
+
+    return replace(
+        naming,
+        answers=tuple(map(of, naming.answers)),
+        best=naming.best and of(naming.best),
+        candidates=tuple(map(of, naming.candidates)),
+    )
+
+
 def why_not(one: Candidate, naming: Naming) -> Rejection | None:
     """Why a set of the competition is no answer; None if it is one."""
     if one.effects in {answer.effects for answer in naming.answers}:
@@ -133,7 +185,7 @@ def supported(one: Candidate, field: list[Candidate]) -> Candidate:
 
 
 def best_of_each(fits: list[Refit]) -> list[Refit]:
-    """The best form of every set, with its lead over the best with another form of a law."""
+    """The best form of every set, with the best of each other form of its laws."""
     sets: dict[tuple[str, ...], list[Refit]] = {}
     for one in sorted(fits, key=lambda one: -one.gain):
         sets.setdefault(one.effects, []).append(one)
@@ -145,9 +197,16 @@ def _leading(own: list[Refit]) -> Refit:
     general = next((one for one in rest if _with_a_place(one, best)), None)
     if general is not None and general.gain > best.gain - _PLACE_NATS:
         best, rest = general, [best, *(one for one in rest if one is not general)]
-    laws = [trial.law for trial in best.trials]
-    other = next((one for one in rest if [trial.law for trial in one.trials] != laws), None)
-    return best if other is None else replace(best, lead=best.gain - other.gain)
+    others: dict[tuple[float, ...], Refit] = {}
+    for one in rest:
+        others.setdefault(_laws(one), one)
+    others.pop(_laws(best), None)
+    return replace(best, others=tuple(others.values()))
+
+
+def _laws(one: Refit) -> tuple[float, ...]:
+    """Numbers of the forms of the laws of a set."""
+    return tuple(trial.law for trial in one.trials)
 
 
 def _with_a_place(one: Refit, best: Refit) -> bool:
@@ -181,7 +240,10 @@ def with_probabilities(field: list[Candidate]) -> list[Candidate]:
 
 
 def without_duplicates(field: list[Candidate]) -> list[Candidate]:
-    """Mark sets that make the motion of a simpler one with more numbers."""
+    """Mark sets that make the motion of a simpler one with more numbers.
+
+    Two single effects of different physics leave open which it is: that one has a number less does not tell.
+    """
     kept: list[Candidate] = []
     for one in sorted(field, key=lambda one: (one.refit.numbers, -one.score)):
         same = [
@@ -190,12 +252,18 @@ def without_duplicates(field: list[Candidate]) -> list[Candidate]:
             if not other.rejected
             and other.refit.numbers < one.refit.numbers
             and one.score < other.score
+            and (len(one.effects) > 1 or _same_physics(one.effects[0], other.effects[0]))
             and np.linalg.norm(one.refit.rows - other.refit.rows) < _SAME_MOTION_SIGMA
         ]
         if same and not one.rejected:
             one = replace(one, rejected=Rejection(ground=Ground.SAME_MOTION, names=same[0].effects))
         kept.append(one)
     return ranked(kept)
+
+
+def _same_physics(general: str, special: str) -> bool:
+    """Whether an effect is another law of the same physics as another one, or has it as a special case."""
+    return family_of(general) == family_of(special) or SPECIAL_CASE.get(general) == special
 
 
 def freed(field: list[Candidate]) -> list[Candidate]:

@@ -249,7 +249,7 @@ def diagnose(
     known = () if best is None else _numbers(baseline, best.refit, grade.extended)
     grade = sized(grade, known)
     if answer is not None and where is not None and best is not None:
-        extended = answer.worths.get(best.effects) or worth(baseline, best.refit, parts.held_out)
+        extended = answer.worth_of(best) or worth(baseline, best.refit, parts.held_out)
         pairs = predicted_pairs(baseline, where.pairs, extended.training.poses)
         beyond = None if quick else extrapolated(parts.training, baseline, best.refit)
         checks = _checked(tests, parts, plain, extended, best.refit, pairs, beyond, seed)

@@ -21,7 +21,14 @@ from scipy.stats import norm, t as student
 
 from meso_robust.copies import shared
 from meso_robust.diagnosis.baseline import Baseline
-from meso_robust.diagnosis.candidates import SCORE_SHARE, Candidate, Naming
+from meso_robust.diagnosis.candidates import (
+    SCORE_SHARE,
+    SPECIAL_CASE,
+    Candidate,
+    Naming,
+    exchanged,
+    other_forms,
+)
 from meso_robust.diagnosis.document import Channel, Verdict
 from meso_robust.diagnosis.folds import Bench, RollOut, intervals_by_fold, rolled_out
 from meso_robust.diagnosis.localisation import Located
@@ -72,9 +79,6 @@ _NEARLY_ALL = 0.8  # likewise, of one whose size need not be as sure
 _ALIKE_SHARE = 0.8  # of what the best further member takes away, from which on another is as good
 
 Names = tuple[str, ...]
-
-SPECIAL_CASE = {"camera_anisotropy": "camera_scale", "uneven_support": "dry_friction"}
-"""Of a law with more parameters: one that explains as much is the answer, and the general one no rival."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -209,6 +213,11 @@ class _Judge:
         """Sum of squares of the plain model beyond the floor; positive."""
         return max(float(np.sum(self.sums(()) - self.floor)), 1e-12)
 
+    @property
+    def chance(self) -> float:
+        """Sum of squares beyond the floor that noise makes: it varies by √(2 N) of N data."""
+        return _CHANCE * float(np.sqrt(2.0 * self.bench.seen.sum()))
+
     def share(self, names: Names) -> float:
         """Of the explainable error, that a set explains."""
         share = float(np.sum(self.sums(()) - self.sums(names))) / self.explainable
@@ -283,14 +292,19 @@ def graded(
     chosen: Candidate | None = None
     rivals: tuple[Candidate, ...] = ()
     everywhere = True
+    turned: dict[Names, Candidate] = {}
     for asked, pool in _pools(naming, quick):
-        pool = _predicted(bench, predicted, pool)
+        pool = _predicted(bench, predicted, tuple(turned.get(one.effects, one) for one in pool))
         judge = _Judge(bench, predicted, _floor(bench, predicted, reach))
         size = _size_left(judge, ())
         missing = asked is not None and _is_left(judge, (), matters)
         # of a single recording none can be left out: what its own fit explains proves nothing
         if asked and pool and missing and bench.count > 1:
-            chosen, rivals, everywhere = _answer(judge, asked, pool, seed)
+            known = exchanged(asked, turned)
+            found, other = _in_open_forms(known, pool, judge, reach, seed)
+            chosen, rivals, everywhere = found
+            turned |= other
+            judge = _Judge(bench, predicted, _floor(bench, predicted, reach))
         if chosen is not None or not missing or bench.count == 1:
             break
     beside: Names = ()
@@ -515,10 +529,8 @@ def _adds_alike(judge: _Judge, part: Candidate, best: Candidate, other: Candidat
 
 def _is_left(judge: _Judge, names: Names, matters: float) -> bool:
     """Whether a set leaves what matters, and more than noise makes."""
-    # sums of squares of noise vary by themselves, by √(2 N) of N data
-    chance = _CHANCE * float(np.sqrt(2.0 * judge.bench.seen.sum()))
     left = max(float(np.sum(judge.sums(names) - judge.floor)), 1e-12)
-    return _size_left(judge, names) >= matters and left > chance
+    return _size_left(judge, names) >= matters and left > judge.chance
 
 
 def _floor(bench: Bench, predicted: Mapping[Names, RollOut], reach: float | None) -> Floats:
@@ -538,6 +550,44 @@ def _floor(bench: Bench, predicted: Mapping[Names, RollOut], reach: float | None
 
 def _refuted(one: Candidate) -> bool:
     return one.rejected is not None and one.rejected.ground is Ground.HELD_OUT_WORSE
+
+
+_Answer = tuple[Candidate | None, tuple[Candidate, ...], bool]
+
+
+def _in_open_forms(
+    naming: Naming, pool: tuple[Candidate, ...], judge: _Judge, reach: float | None, seed: int
+) -> tuple[_Answer, dict[Names, Candidate]]:
+    """As `_answer`, with no law put aside before each of its forms that the fits leave open was asked.
+
+    Returns the sets as well that predict better in another form.
+    """
+    turned: dict[Names, Candidate] = {}
+    asked: set[Names] = set()
+    while True:
+        pool = tuple(turned.get(one.effects, one) for one in pool)
+        found = _answer(judge, exchanged(naming, turned), pool, seed)
+        kept = [set(one.effects) for one in (found[0], *found[1]) if one is not None]
+        aside = [
+            one
+            for one in pool
+            if one.effects not in asked
+            and not any(set(one.effects) <= own or own <= set(one.effects) for own in kept)
+        ]
+        better: dict[Names, Candidate] = {}
+        for one in aside:
+            asked.add(one.effects)
+            for form in other_forms(one, naming):
+                tried: dict[Names, RollOut] = {(): judge.seen[()]}
+                least = float(judge.sums(one.effects).sum())
+                done = _predicted(judge.bench, tried, (form,))
+                if done and float(tried[form.effects].squares.sum()) < least:
+                    judge.seen[form.effects] = tried[form.effects]
+                    better[form.effects] = form
+        if not better:
+            return found, turned
+        turned |= better
+        judge = _Judge(judge.bench, judge.seen, _floor(judge.bench, judge.seen, reach))
 
 
 def _answer(
@@ -668,13 +718,15 @@ def _behind(judge: _Judge, chosen: Candidate, rival: Candidate, seed: int) -> bo
 
     Of two laws that are alike where a fit may bend them, other recordings tell; but they are no witness against a law
     that was the likelier one, as one recording may be far off for a number that no other tells. For the same reason
-    the chosen one must leave next to nothing beside what the other leaves.
+    the chosen one must leave next to nothing beside what the other leaves, and that more than noise makes.
     """
     if rival.score - chosen.score > SCORE_SHARE * chosen.score:
         return False
     own, other = (judge.sums(one.effects) for one in (chosen, rival))
     left, more = (max(float(np.sum(of - judge.floor)), 0.0) for of in (own, other))
     excess = max(float(own.sum() / judge.floor.sum()), 1.0)
+    if more <= judge.chance:
+        return False
     if 0.5 * (more - left) <= _EQUAL_NATS * excess or left > (1.0 - _NEARLY_ALL) * more:
         return False
     return _surely_worse(judge, chosen, rival, seed)

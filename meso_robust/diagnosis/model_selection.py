@@ -16,6 +16,7 @@ import numpy as np
 from meso_robust.copies import shared
 from meso_robust.diagnosis.baseline import Baseline
 from meso_robust.diagnosis.candidates import (
+    EXAMINED_NATS,
     Candidate,
     Naming,
     answers_of,
@@ -40,8 +41,6 @@ _REFITTED_FORMS = 2  # of an effect, those that promise most
 _EXTENDED_SETS = {True: 8, False: 12}  # that a further effect may be added to, if quick and if not
 _SETS = {True: 6, False: 15}  # with one effect more, that are refitted, those that promise most
 _LARGEST_SET = {True: 2, False: 3}  # effects of a set, if quick and if not
-# behind the best, beyond which a set is neither refined nor asked: e²⁵ times less likely
-_EXAMINED_NATS = 25.0
 # of the best gain, behind it, within which a rough fit is taken to its end
 _REFINED_SHARE = {True: 0.2, False: 0.5}
 # likewise, of another form of the same law
@@ -137,7 +136,7 @@ class Contest:
 
     def _promises(self, form: Form, best: float) -> bool:
         """Whether a form is worth a fit, beside the best so far."""
-        least = _PROMISING_SHARE * best - _EXAMINED_NATS
+        least = _PROMISING_SHARE * best - EXAMINED_NATS
         return not (self.quick and form.linear and form.gain <= least)
 
     def _choices(self, effect: str) -> float:
@@ -162,7 +161,7 @@ class Contest:
         except (ValueError, np.linalg.LinAlgError):
             return one
         lower = bool(more.fits.chi2[0] < one.fits.chi2[0])
-        return replace(more, lead=one.lead) if lower or more.gain >= one.gain else one
+        return replace(more, others=one.others) if lower or more.gain >= one.gain else one
 
     def _all_ended(self, fits: list[Refit]) -> dict[int, Refit]:
         """By the identity of a rough fit, what `_ended` makes of it."""
@@ -175,7 +174,7 @@ class Contest:
         Searches of those that are ``done`` are at their end.
         """
         best = max((one.gain for one in fits), default=0.0)
-        close = best - max(_EXAMINED_NATS, _REFINED_SHARE[self.quick] * best)
+        close = best - max(EXAMINED_NATS, _REFINED_SHARE[self.quick] * best)
         led = {one.effects: one.gain for one in sorted(fits, key=lambda one: one.gain)}
         # a form with more numbers may be behind until its search is at its end
         near = [
@@ -183,7 +182,7 @@ class Contest:
             for one in fits
             if not any(one is other for other in done)
             and one.gain > max(close, 0.0)
-            and one.gain >= led[one.effects] - max(_EXAMINED_NATS, _FORM_SHARE * best)
+            and one.gain >= led[one.effects] - max(EXAMINED_NATS, _FORM_SHARE * best)
         ]
         more = self._all_ended(near)
         ended = [more.get(id(one), one) for one in fits]
@@ -313,7 +312,7 @@ class Contest:
         open_ = [
             k
             for k, one in enumerate(field)
-            if one.adequate is None and not one.rejected and one.score > best - _EXAMINED_NATS
+            if one.adequate is None and not one.rejected and one.score > best - EXAMINED_NATS
         ]
         # all that the detector says is by the refit, which need not be sent back from a copy
         said = shared(lambda k: self._detection(field[k]), open_)

@@ -54,9 +54,8 @@ class Refit:
         Sum of squares of what is left.
     gain
         Log evidence over that of the plain model.
-    lead
-        By how much it is ahead of the same effects with another form of a law, nats; None if no other
-        was tried.
+    others
+        The same effects with other forms of a law, the best fit of each, the best first.
     """
 
     trials: tuple[Trial, ...]
@@ -67,7 +66,12 @@ class Refit:
     rows: Floats
     chi2: float
     gain: float
-    lead: float | None = None
+    others: tuple[Refit, ...] = ()
+
+    @property
+    def lead(self) -> float | None:
+        """By how much it is ahead of other forms of a law, nats; None if no other was tried."""
+        return self.gain - max(one.gain for one in self.others) if self.others else None
 
     @property
     def effects(self) -> tuple[str, ...]:

@@ -260,9 +260,8 @@ TRIALS: Mapping[str, Try] = {
         formed(
             sized(x_um_s=0.5, y_um_s=0.5),
             shaped(
-                {"x_um_s": 0.5, "y_um_s": 0.5},
-                {"growth_um_s_per_mm": 0.5, "direction_deg": 20.0},
-                growth_um_s_per_mm=(0.5,),
+                {"x_um_s": 0.5, "y_um_s": 0.5, "growth_um_s_per_mm": 0.5},
+                {"direction_deg": 20.0},
                 direction_deg=_QUARTERS,
             ),
         ),

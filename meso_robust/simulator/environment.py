@@ -26,7 +26,7 @@ ENVIRONMENT = Stage(
                 _speed("x_um_s", "b_x: speed at which the force alone drags the part"),
                 _speed("y_um_s", "b_y"),
                 Parameter(
-                    key="growth_um_s_per_mm", unit="µm/s/mm", to_si=1e-3, size=False,
+                    key="growth_um_s_per_mm", unit="µm/s/mm", to_si=1e-3,
                     meaning="k: of a curved stage, by how much the speed grows with the place along n",
                 ),
                 Parameter(
@@ -99,7 +99,7 @@ POST_RADIUS = ENVIRONMENT.slot("unmodelled_wall", "radius_um")
 
 FLOW_SLOTS = (_FLOW_X, _FLOW_Y)
 """Columns of the flow of the film."""
-FORCE_SLOTS = (_FORCE_X, _FORCE_Y, _FLOW_X, _FLOW_Y, _PULL)
+FORCE_SLOTS = (_FORCE_X, _FORCE_Y, _FORCE_GROWTH, _FLOW_X, _FLOW_Y, _PULL)
 """Columns of effects that push the part without a contact."""
 
 

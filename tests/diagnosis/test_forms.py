@@ -41,7 +41,9 @@ def test_a_law_that_falls_otherwise_is_named_by_its_family(wall: Diagnosis) -> N
 def test_a_form_that_another_equals_is_not_told(wall: Diagnosis, lead: float | None) -> None:
     best = wall.grade.chosen
     assert best is not None
-    chosen = replace(best, refit=replace(best.refit, lead=lead))
+    own = best.refit
+    others = () if lead is None else (replace(own, others=(), gain=own.gain - lead),)
+    chosen = replace(best, refit=replace(own, others=others))
     found = replace(wall, grade=replace(wall.grade, chosen=chosen))
     (effect,) = document(found, "1.2.3").effects
     assert effect.form.endswith("form not told by these recordings")

@@ -25,6 +25,7 @@ from meso_robust.diagnosis.grading import (
     _floor,
     _holding,
     _holds,
+    _in_open_forms,
     _Judge,
     _only_law,
     _pools,
@@ -36,6 +37,7 @@ from meso_robust.diagnosis.grading import (
 )
 from meso_robust.diagnosis.refit import Refit
 from meso_robust.diagnosis.rejection import Ground, Rejection
+from meso_robust.diagnosis.trials import Trial
 from meso_robust.recordings.sway import Sway
 from meso_robust.simulator.catalogue import CATALOGUE
 from tests.identification.sets import UM
@@ -240,10 +242,12 @@ def stood(
     sums: dict[tuple[str, ...], list[float]],
     floor: float = 100.0,
     lost: tuple[tuple[str, ...], ...] = (),
+    chance: float = 50.0,
 ) -> _Judge:
     """A judge of eight recordings, a fold each, that has predicted some sets, some of them in vain."""
     made = SimpleNamespace(
         floor=np.full(8, floor),
+        chance=chance,
         sums=lambda names: np.array(sums[names]),
         explainable=sum(sums[()]) - 8 * floor,
         share=lambda names: (sum(sums[()]) - sum(sums[names])) / (sum(sums[()]) - 8 * floor),
@@ -265,6 +269,7 @@ def contest(*candidates: Candidate, answers: tuple[Candidate, ...] = ()) -> Nami
     return Naming(answers=answers, best=candidates[0], candidates=candidates)
 
 
+UNUSED = ("model", "fits", "fitted", "tangent", "rows", "chi2")
 PLAIN = [100.0, 95.0, 9000.0, 104.0, 98.0, 103.0, 6000.0, 97.0]
 NOISE = [101.0, 96.0, 104.0, 103.0, 99.0, 101.0, 99.0, 98.0]
 
@@ -375,12 +380,50 @@ def test_of_two_laws_that_are_alike_where_they_were_fitted_other_recordings_tell
     assert _equal(judge, a, more, 0)
     assert _answer(judge, contest(a, less, answers=(a, less)), (a, less), 0) == (a, (), True)
     assert _answer(judge, contest(a, more, answers=(a, more)), (a, more), 0) == (a, (more,), True)
+    # nor is what noise makes
+    assert _equal(stood({(): PLAIN, ("a",): NOISE, ("b",): worse}, chance=170.0), a, less, 0)
     # nor is what leaves something itself
     half = [one + 10.0 for one in NOISE]
     assert _equal(stood({(): PLAIN, ("a",): half, ("b",): worse}), a, less, 0)
     # nor is one recording
     once = [*NOISE[:2], NOISE[2] + 200.0, *(one - 2.0 for one in NOISE[3:])]
     assert _equal(stood({(): PLAIN, ("a",): NOISE, ("b",): once}), a, less, 0)
+
+
+@pytest.mark.parametrize("behind", [20.0, 40.0])
+def test_no_law_is_put_aside_before_each_form_that_the_fits_leave_open_was_asked(
+    monkeypatch: pytest.MonkeyPatch, behind: float
+) -> None:
+    worse = [one + 20.0 for one in NOISE]
+    sums = {(): PLAIN, ("a",): NOISE, ("b",): worse}
+    judge = cast(Any, stood(sums))
+    judge.seen = {(): None}
+    monkeypatch.setattr("meso_robust.diagnosis.grading._Judge", lambda *_: judge)
+    monkeypatch.setattr("meso_robust.diagnosis.grading._floor", lambda *_: None)
+
+    def predicted(_: Any, seen: dict[Any, Any], pool: tuple[Candidate, ...]) -> Any:
+        """The other form leaves no more than noise."""
+        (form,) = pool
+        seen[form.effects] = SimpleNamespace(squares=np.array(NOISE))
+        sums[form.effects] = NOISE
+        return pool
+
+    monkeypatch.setattr("meso_robust.diagnosis.grading._predicted", predicted)
+    a, b = (
+        Candidate(refit=Refit(trials=(Trial(effect=name, sizes={}),), gain=gain, **nothing))
+        for name, gain in (("a", 1000.0), ("b", 999.0))
+        for nothing in (dict.fromkeys(UNUSED, cast(Any, None)),)
+    )
+    other = replace(b.refit, gain=1000.0 - behind)
+    b = replace(b, refit=replace(b.refit, others=(other,)))
+    found, turned = _in_open_forms(contest(a, b, answers=(a, b)), (a, b), judge, None, 0)
+    assert found[0] is a
+    if behind > 25.0:
+        assert (found[1], turned) == ((), {})
+        return
+    (rival,) = found[1]
+    assert turned == {("b",): rival}
+    assert rival.refit.gain == 1000.0 - behind
 
 
 @pytest.mark.parametrize(

@@ -10,7 +10,7 @@ from typing import Any, cast
 import numpy as np
 import pytest
 
-from meso_robust.diagnosis.acceptance import Witnesses, judged, partial
+from meso_robust.diagnosis.acceptance import Witnesses, in_open_forms, judged, partial
 from meso_robust.diagnosis.baseline import Baseline
 from meso_robust.diagnosis.candidates import (
     Candidate,
@@ -135,6 +135,18 @@ def test_the_same_motion_with_more_numbers_is_a_duplicate() -> None:
     assert [name for name, one in found.items() if one.rejected] == ["stribeck_friction"]
 
 
+def test_the_same_motion_by_other_physics_leaves_open_which_it_is() -> None:
+    wall = candidate("wall_capillarity", score=10.0, numbers=3)
+    force = candidate("body_force", score=9.0, numbers=4)
+    both = candidate("body_force", "part_yaw", score=9.0, numbers=4)
+    general = candidate("uneven_support", score=9.0, numbers=3)
+    special = candidate("dry_friction", score=10.0, numbers=1)
+    assert [one.rejected for one in without_duplicates([wall, force])] == [None, None]
+    for one, other in ((wall, both), (special, general)):
+        found = without_duplicates([one, other])
+        assert [each.rejected for each in found] == [None, same_as(*one.effects)]
+
+
 def test_a_duplicate_of_what_is_not_enough_may_yet_answer() -> None:
     short = candidate("dry_friction", adequate=False, rejected=LEFT)
     same = candidate("stribeck_friction", rejected=same_as("dry_friction"))
@@ -195,6 +207,50 @@ def test_held_out_recordings_refute_answers() -> None:
     assert judged(both, worse).answers == ()
     fitted = replace(worse, unseen=False)  # a fit that is no worse than another refutes nothing
     assert len(judged(both, fitted).answers) == 2
+
+
+def formed(effect: str, score: float, *others: float) -> Candidate:
+    """An adequate set in a form of its law, and scores of the other ones."""
+
+    def of(law: int, score: float) -> Candidate:
+        one = candidate(effect, score=score, adequate=True)
+        trial = replace(one.refit.trials[0], shape={"form": float(law)})
+        return replace(one, refit=replace(one.refit, trials=(trial,)))
+
+    best = of(0, score)
+    more = tuple(of(1 + k, one).refit for k, one in enumerate(others))
+    return replace(best, refit=replace(best.refit, others=more))
+
+
+@pytest.mark.parametrize(
+    ("behind", "left", "law"),
+    [
+        (20.0, 101.0, 1.0),  # the other form predicts the recordings held out
+        (30.0, 101.0, None),  # the fits exclude it
+        (20.0, 111.0, None),  # nor does it predict them
+    ],
+)
+def test_a_law_is_refuted_in_every_form_that_the_fits_leave_open(
+    behind: float, left: float, law: float | None
+) -> None:
+    wall, force = (
+        candidate("wall_capillarity", score=428.0, adequate=True),
+        formed("body_force", 425.0, 428.0 - behind),
+    )
+    both = Naming(answers=(wall, force), best=wall, candidates=(wall, force))
+    worths = {("wall_capillarity",): errors(100.0), ("body_force",): errors(112.0)}
+
+    def heard(worths: Any) -> Witnesses:
+        return told(500.0, **{"__".join(names): one for names, one in worths.items()})
+
+    asked, made = in_open_forms(both, cast(Any, worths), heard, lambda _: cast(Any, errors(left)))
+    found = judged(asked, heard(made)).answers
+    assert found[0] is wall
+    assert [one.refit.trials[0].law for one in found[1:]] == ([] if law is None else [law])
+    if law is not None:
+        # it is told that neither form leads, and the detector was not asked of this one
+        assert found[1].refit.lead == pytest.approx(-(behind - 3.0))
+        assert found[1].adequate is None
 
 
 def test_every_effect_of_a_set_must_help_where_nothing_was_fitted() -> None:
@@ -402,15 +458,17 @@ def test_a_promise_of_one_more_step_is_not_preferred_to_the_end_of_a_search(
 
     def fit(chi2: float, gain: float) -> Refit:
         fits = cast(Fits, SimpleNamespace(chi2=np.array([chi2])))
-        return replace(candidate("camera_latency").refit, fits=fits, gain=gain, lead=3.0)
+        other = candidate("camera_latency").refit
+        return replace(other, fits=fits, gain=gain, others=(other,))
 
-    rough, more = fit(1000.0, 1000.0), replace(fit(chi2, gain), lead=None)
+    rough, more = fit(1000.0, 1000.0), replace(fit(chi2, gain), others=())
     monkeypatch.setattr("meso_robust.diagnosis.model_selection.refined", lambda *_, **__: more)
     monkeypatch.setattr(Contest, "_chosen", lambda *_: ())
     nothing = cast(Any, None)
     found = Contest(nothing, [], (), np.zeros(0), True, nothing)._ended(rough)
     assert found.fits is (more if kept else rough).fits
-    assert (found.gain, found.lead) == (gain if kept else 1000.0, 3.0)
+    assert found.gain == (gain if kept else 1000.0)
+    assert found.others == rough.others
 
 
 @pytest.mark.usefixtures("one_by_one")

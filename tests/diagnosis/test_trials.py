@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from meso_robust.diagnosis.diagnose import Diagnosis
-from meso_robust.diagnosis.signatures import extended, start_of, within
+from meso_robust.diagnosis.signatures import extended, signatures, start_of, within
 from meso_robust.diagnosis.trials import (
     BESIDE,
     NOT_SEARCHED,
@@ -194,3 +194,15 @@ def test_a_drift_that_slows_down_still_goes_on_in_the_shortest_recording(null: D
         model = extended(null.baseline.model, (one,), prepared)
         assert model.parameters[-1].key == f"{one.effect}.time_s"
         assert model.parameters[-1].low == pytest.approx(0.5 * shortest)
+
+
+def test_a_curved_stage_is_searched_from_what_a_linear_estimate_makes_of_its_curvature(
+    null: Diagnosis,
+) -> None:
+    """A force that grows along the stage is linear in its growth, and shows without a force at the origin."""
+    laws = [one for one in trials(null.baseline.prepared) if one.effect == "body_force"]
+    curved = [one for one in laws if one.law == 1.0]
+    assert len(curved) == 4
+    for one in signatures(null.baseline, curved):
+        sizes = np.linalg.norm(one.columns, axis=(1, 2))
+        assert dict(zip(one.trial.sizes, sizes > 0.0, strict=True))["growth_um_s_per_mm"]

@@ -155,9 +155,10 @@ def test_age_that_counts_by_its_root() -> None:
     assert force - v == pytest.approx(75.0 * ratio * np.sqrt(distance / v), rel=5e-3)
 
 
-def test_a_curved_stage_pulls_by_the_place() -> None:
-    """s' = b·n + k s along n, and b alone across it."""
-    k, way, b = 200.0, 0.4, np.array([6.0, -2.0])
+@pytest.mark.parametrize("level", [(6.0, -2.0), (0.0, 0.0)])
+def test_a_curved_stage_pulls_by_the_place(level: tuple[float, float]) -> None:
+    """s' = b·n + k s along n, and b alone across it; one that is level in its middle pulls as well."""
+    k, way, b = 200.0, 0.4, np.array(level)
     given = {"x_um_s": b[0], "y_um_s": b[1], "growth_um_s_per_mm": k, "form": 1.0}
     got = end({"body_force": {**given, "direction_deg": np.degrees(way)}}, (300 * UM, 0.0, 0.0))
     along, across = np.array([np.cos(way), np.sin(way)]), np.array([-np.sin(way), np.cos(way)])
