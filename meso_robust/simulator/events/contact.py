@@ -149,6 +149,8 @@ def _list_tip(scene: Scene, work: Work, i: int, point: tuple[float, float, float
         edge = scene.edges[j]
         dx, dy = cx - edge[VX], cy - edge[VY]
         s = edge[NX] * dx + edge[NY] * dy - r
+        if s > near:  # off the line of the edge, and farther from its corner than that
+            continue
         along = edge[NX] * dy - edge[NY] * dx
         far = np.sqrt(dx * dx + dy * dy)
         convex = edge[CONVEX] > 0.0

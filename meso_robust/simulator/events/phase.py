@@ -50,7 +50,7 @@ _SMALLEST_STEP = 1e-12  # of the clock; what needs less cannot be integrated
 _FIRST_STEP = 0.1  # of the clock; the control of the error goes on from it
 _ROOM = 0.02  # that a quantity must have at both ends of a step not to be looked at half-way
 _SWEEPS = 4  # over the quantities, for the first of them that is negative
-_TURN = 0.15  # rad, of an exact step; events are looked for at its middle and its end
+_TURN = 0.2  # rad, of an exact step; events are looked for at its middle and its end
 
 
 @part
