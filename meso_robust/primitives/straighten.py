@@ -153,7 +153,7 @@ def is_proved(rule: MoveRule, pre: PoseBox, setup: Setup) -> bool:
     Returns
     -------
     bool
-        Less is bounded for it, which those notice that ask a thousand times.
+        True only if all is proved. It bounds less than `certify_straighten`, for maps, which ask often.
     """
     edge = setup.edge(pre.theta.mid)
     box, aligned = base_box(rule, pre, setup, edge), tips.aligned(setup)

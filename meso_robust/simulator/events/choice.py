@@ -54,7 +54,7 @@ _NO_FORCES, _NO_MOTION = -1.0, -2.0  # what fails
 
 @part
 def choose(scene: Scene, work: Work, place: Place, clock: float) -> int:
-    """Choose the modes of the listed contacts at the present pose, the place.
+    """Choose the modes of the listed contacts at the present pose, which is `place`.
 
     Writes the modes and the basis of the motion that goes on.
 
@@ -229,24 +229,16 @@ def _merit(scene: Scene, work: Work, now: tuple[Place, float], trial: tuple[int,
         return here
     step, limit = _AHEAD[attempt], _ZERO_AHEAD[attempt]
     vx, vy, omega = work.twist[0], work.twist[1], work.twist[2]
-    cos, sin = _turned(place[2], place[3], 0.5 * step * omega)
+    theta = work.pose[2] + step * omega
+    cos, sin = np.cos(theta - 0.5 * step * omega), np.sin(theta - 0.5 * step * omega)
     x = place[0] + step * (cos * vx - sin * vy)
     y = place[1] + step * (sin * vx + cos * vy)
-    cos, sin = _turned(cos, sin, 0.5 * step * omega)
-    after = (x, y, cos, sin)
+    after = (x, y, np.cos(theta), np.sin(theta))
     fill_all(scene, work, after, clock + step, False)
     ahead = _least(scene, work)
     fill_all(scene, work, place, clock, False)
     work.twist[0], work.twist[1], work.twist[2] = vx, vy, omega
     return ahead + limit if ahead >= -limit else _NO_FORCES
-
-
-@inlined
-def _turned(cos: float, sin: float, angle: float) -> tuple[float, float]:
-    """Cosine and sine after a small turn, whose fourth power is below rounding."""
-    square = angle * angle
-    by_cos, by_sin = 1.0 - 0.5 * square, angle * (1.0 - square / 6.0)
-    return cos * by_cos - sin * by_sin, sin * by_cos + cos * by_sin
 
 
 @inlined

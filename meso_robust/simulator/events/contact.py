@@ -126,7 +126,7 @@ def _add(work: Work, kind: int, i: int, j: int, group: int) -> None:
 def list_touching(
     scene: Scene, work: Work, place: Place, clock: float, band: tuple[float, float]
 ) -> None:
-    """List where the part touches at its place: gaps in the band, minus its second up to its first."""
+    """List where the part touches; of the band (near, deep) gaps from −deep to near do."""
     work.count[TOUCHING] = 0
     near, deep = band
     for i in range(scene.tips.shape[0]):
