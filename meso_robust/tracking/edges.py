@@ -33,6 +33,7 @@ CLUSTER = 6
 ALIKE = 0.5
 """Least normalised correlation of a profile with the pattern to count as the outline."""
 _LEAST_SCALE = 0.05  # px, of residuals: quantisation and texture leave no less
+_TOLD = 1e6  # condition of what tells a size: 1e1 to 1e3 where it is told, 1e15 where it is not
 
 
 @dataclass(frozen=True, slots=True)
@@ -260,11 +261,15 @@ def seen_size(
 ) -> tuple[float, float]:
     """By how much longer than stated the part is seen, as a share of its lengths; and the standard deviation.
 
-    Of a part as wide as it is long, that is the same as an outline displaced alike on all sides, and is not told.
+    Of a part as wide as it is long, that is the same as an outline displaced alike on all sides, and is not told. Nor
+    is it where two opposite sides are nowhere both seen: then it is 0, with an infinite standard deviation.
     """
     offset, quality = _offsets(of, outline, pose, lens, pattern, reach)
     design = np.column_stack((outline.design, np.sum(outline.points * outline.normals, axis=1)))
     solution, weight = robust_fit(design, offset, quality, delta_sigma)
+    seen = (design / np.abs(design).max(axis=0)) * np.sqrt(weight)[:, None]
+    if not np.linalg.cond(seen) < _TOLD:
+        return 0.0, math.inf
     residual = np.nan_to_num(offset) - design @ solution
     sides = systematic(design, weight, residual, outline.modes)
     variance = clustered(design, weight, residual, outline.starts)[4, 4]

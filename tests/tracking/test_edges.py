@@ -21,6 +21,7 @@ from meso_robust.tracking.edges import (
     placed,
     robust_fit,
     sampled_outline,
+    seen_size,
     thinned,
 )
 from meso_robust.tracking.memory import untaught
@@ -65,6 +66,22 @@ def test_pose_of_an_exactly_blurred_rectangle(dark_on_bright: bool, blur: float)
         error = fitted(image, pose + np.array([2.0, -2.5, 0.012])) - pose
         assert np.abs(error[:2]).max() < 0.03
         assert abs(error[2]) < math.radians(0.01)
+
+
+@pytest.mark.parametrize("hidden", [0, 1, 2, 3])
+def test_where_no_two_opposite_sides_are_both_seen_the_size_is_not_told(hidden: int) -> None:
+    """A side that lies far from where it is stated is not seen, and then place and size are one."""
+    pose = np.array([320.0, 240.0, 0.0])
+    x, y = body_coordinates(pose)
+    frame = digitised(plain(pose), np.random.default_rng(0))
+    outline, side = sampled_outline(CORNERS), (x, -x, y, -y)[hidden]
+    covered_up = (side > 0.8 * HALF[hidden // 2]).astype(np.uint8)
+    told = [
+        seen_size(patch(frame, mask, placed(CORNERS, pose), 20.0), outline, pose, Lens(), single_step(), 6.0, 3.0)
+        for mask in (None, covered_up)
+    ]  # fmt: skip
+    assert math.isfinite(told[0][1])
+    assert told[1] == (0.0, math.inf)
 
 
 def test_a_common_displacement_moves_no_pose_of_a_closed_outline() -> None:
