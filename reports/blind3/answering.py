@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Mapping
+from pathlib import Path
 from typing import Any
 
 import meso_robust
@@ -13,18 +14,21 @@ Values = Mapping[str, Any]
 
 
 def answered(case: Case) -> Values:
+    """What `diagnose` says of a promised set, in its quick form."""
+    return {"id": case.id, **diagnosed(checked(case), quick=True)}
+
+
+def diagnosed(folder: Path, *, quick: bool) -> Values:
     """What `diagnose` says of a set, as a user would run it."""
-    folder = checked(case)
     clock, cpu = time.perf_counter(), time.process_time()
     try:
-        found = meso_robust.diagnose(folder, quick=True).document.model_dump(
+        found = meso_robust.diagnose(folder, quick=quick).document.model_dump(
             mode="json", by_alias=True
         )
         answer = told(found)
     except Exception as problem:  # a crash is an answer that is scored
         answer = {"verdict": "none", "error": f"{type(problem).__name__}: {problem}"}
     return {
-        "id": case.id,
         **answer,
         "seconds": round(time.perf_counter() - clock, 1),
         "cpu_seconds": round(time.process_time() - cpu, 1),
