@@ -223,6 +223,10 @@ class _Judge:
         share = float(np.sum(self.sums(()) - self.sums(names))) / self.explainable
         return min(share, 1.0)  # more than all is rounding: the floor lies below every set
 
+    def by_fold(self, part: Names, whole: Names) -> Floats:
+        """(K,) by how much less a set leaves of each fold than another one, such as a part of it."""
+        return np.bincount(self.bench.fold, weights=self.sums(part) - self.sums(whole))
+
     def carries(self, names: Names) -> bool:
         """Whether a set predicts recordings that it was not chosen by no worse, in place and in turn.
 
@@ -241,7 +245,7 @@ class _Judge:
         return bool(np.sum(self.sums(names)[rows]) < np.sum(self.sums(())[rows]))
 
     def with_part(self, whole: Candidate, names: Names) -> None:
-        """Predict a part of a set, whose fits begin where the whole ended."""
+        """Predict a part of a set, whose fits begin where the whole ended; what cannot be simulated explains nothing."""
         if names in self.seen:
             return
         base = self.bench.baseline
@@ -249,7 +253,9 @@ class _Judge:
         model = extended(base.model, trials, base.prepared)
         values = dict(zip(whole.refit.model.keys, whole.refit.fits.values[0], strict=True))
         start = np.array([values[key] for key in model.keys])
-        self.seen[names] = rolled_out(self.bench, model, start, self.seen[()].values)
+        self.seen[names] = self.seen[()]
+        with suppress(ValueError, np.linalg.LinAlgError):
+            self.seen[names] = rolled_out(self.bench, model, start, self.seen[()].values)
 
 
 def graded(
@@ -513,10 +519,9 @@ def _adds(judge: _Judge, part: Candidate, whole: Candidate, matters: float) -> b
 
 def _takes(judge: _Judge, part: Names, whole: Names) -> bool:
     """Whether a set leaves much less than a part of it does, and not more in any fold."""
-    fall = judge.sums(part) - judge.sums(whole)
+    folds = judge.by_fold(part, whole)
     bar = _FURTHER_SHARE * float(np.sum(judge.sums(part) - judge.floor))
-    folds = np.bincount(judge.bench.fold, weights=fall)
-    return bool(fall.sum() >= bar and folds.min() >= -_FOLD_SHARE * judge.explainable)
+    return bool(folds.sum() >= bar and folds.min() >= -_FOLD_SHARE * judge.explainable)
 
 
 def _adds_alike(judge: _Judge, part: Candidate, best: Candidate, other: Candidate) -> bool:
@@ -642,11 +647,14 @@ def _holding(
             return earned, False
     for one in near:
         # one effect that explains most of the whole tells much, though of a push or two it gets the turn wrong; and so
-        # does a set that explains as much as one that is named, though a push that needs no effect is predicted worse
+        # does a set that explains as much as one that is named, though a push that needs no effect is predicted worse,
+        # or one that surely explains most of the whole, and that in every fold
         explained = _explained(judge, one.effects, seed)
         single = len(one.effects) == 1 and judge.lessens(one.effects)
         most = single and explained.share >= _MOST_OF_ALL and _tells(explained)
-        if most or (explained.share >= NAMED and explained.low >= SURE):
+        least = -_FOLD_SHARE * judge.explainable
+        throughout = explained.low >= _MOST_OF_ALL and judge.by_fold((), one.effects).min() >= least
+        if most or throughout or (explained.share >= NAMED and explained.low >= SURE):
             return one, False
     return first, True
 
@@ -667,10 +675,8 @@ def _earning(
     for member in whole.effects:
         rest = tuple(name for name in whole.effects if name != member)
         judge.with_part(whole, rest)
-        own = judge.sums(rest) - judge.sums(whole.effects)
-        folds = np.bincount(judge.bench.fold, weights=own)
-        bar = judge.explainable
-        if own.sum() > least * bar and folds.min() >= -fold_share * bar:
+        folds, bar = judge.by_fold(rest, whole.effects), judge.explainable
+        if folds.sum() > least * bar and folds.min() >= -fold_share * bar:
             continue
         smaller = _listed(naming, rest)
         if smaller is not None:
