@@ -225,7 +225,10 @@ class _Judge:
 
     def by_fold(self, part: Names, whole: Names) -> Floats:
         """(K,) by how much less a set leaves of each fold than another one, such as a part of it."""
-        return np.bincount(self.bench.fold, weights=self.sums(part) - self.sums(whole))
+        return np.asarray(
+            np.bincount(self.bench.fold, weights=self.sums(part) - self.sums(whole)),
+            dtype=np.float64,
+        )
 
     def carries(self, names: Names) -> bool:
         """Whether a set predicts recordings that it was not chosen by no worse, in place and in turn.
