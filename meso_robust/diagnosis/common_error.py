@@ -17,13 +17,15 @@ from scipy.stats import norm
 
 from meso_robust.diagnosis.baseline import Baseline
 from meso_robust.diagnosis.refit import Refit
-from meso_robust.diagnosis.signatures import signatures, start_of
+from meso_robust.diagnosis.signatures import SEEN, signatures, start_of
 from meso_robust.diagnosis.tangent import CONFIDENCE, Interval, beyond_starts
 from meso_robust.diagnosis.trials import trials
+from meso_robust.simulator.catalogue import CATALOGUE
 from meso_robust.types import Floats
 
 LOOKS_LIKE: Mapping[str, int] = {"reference_offset": 0, "registration_shift": 0, "part_yaw": 2}
 """Effects that such an error looks like, and the coordinate of the pose whose σ has its size: one a line."""
+_HALF = float(norm.isf(0.5 * (1.0 - CONFIDENCE)))  # standard deviations of an interval's half width
 _RANK = 1e-6  # of the largest change by a number, below which a direction is none
 
 
@@ -42,11 +44,12 @@ def widened(baseline: Baseline, refit: Refit, known: tuple[Interval, ...]) -> tu
     Returns
     -------
     tuple
-        As wide as they were where no error of σ is known to stay.
+        Wider by that and by what no detector sees.
     """
-    reach, columns = _reach(baseline, refit), [refit.model.keys.index(one.key) for one in known]
-    if not np.any(reach) or not known:
+    if not known:
         return known
+    columns = [refit.model.keys.index(one.key) for one in known]
+    reach = np.hypot(_reach(baseline, refit), _unseen(refit))
     ends = np.tile(refit.fits.values[0], (3, 1))
     ends[:, columns] = np.array([[one.value, one.low, one.high] for one in known]).T
     middle, low, high = refit.model.coordinates(ends)
@@ -67,6 +70,20 @@ def _between(one: Interval, low: float, high: float) -> Interval:
         open_low=low <= parameter.low,
         open_high=high >= parameter.high,
     )
+
+
+def _unseen(refit: Refit) -> Floats:
+    """(n,) half widths, in coordinates, of what an error makes that is just too small to be seen.
+
+    Every set is a little wrong in many ways at once. What stays undetected changes all frames together by up to
+    `SEEN` standard deviations, and of as many directions as there are effects, that of a number has its share.
+    """
+    _, left = beyond_starts(refit.model, refit.fitted.jacobian[0], refit.tangent)
+    free = np.flatnonzero(refit.model.fitted & (np.linalg.norm(left, axis=1) > 0.0))
+    told = np.diag(np.linalg.pinv(left[free] @ left[free].T, rcond=_RANK**2, hermitian=True))
+    reach = np.zeros(len(refit.model.parameters))
+    reach[free] = np.sqrt(np.maximum(told, 0.0) / len(CATALOGUE))
+    return _HALF * SEEN * reach
 
 
 def _reach(baseline: Baseline, refit: Refit) -> Floats:
@@ -93,4 +110,4 @@ def _reach(baseline: Baseline, refit: Refit) -> Floats:
     ]
     starts, left = beyond_starts(refit.model, refit.fitted.jacobian[0], refit.tangent)
     moved = np.linalg.lstsq(left.T, starts.evidence(np.array(errors)).T, rcond=_RANK)[0]
-    return np.asarray(norm.isf(0.5 * (1.0 - CONFIDENCE)) * np.linalg.norm(moved, axis=1))
+    return np.asarray(_HALF * np.linalg.norm(moved, axis=1))

@@ -431,13 +431,21 @@ def _pools(
         return
     if naming.answers:
         least = naming.answers[0].score - _EQUAL_NATS
-        near = tuple(one for one in naming.candidates if _refuted(one) and one.score >= least)
+        kept = {one.effects for one in naming.answers}
+        near = tuple(
+            one
+            for one in naming.candidates
+            if one.effects not in kept
+            and (_refuted(one) or (one.adequate and not one.rejected))
+            and one.score >= least
+        )
         yield naming, (*naming.answers, *near)[: _JUDGED[quick]]
     able = [one for one in naming.candidates if not one.duplicate and one.score > 0.0]
     likely = able[: _JUDGED[quick]]
-    single = next((one for one in able if len(one.effects) == 1), None)
-    more = [] if single is None or single in likely else [single]
-    yield replace(naming, answers=()), (*likely, *more)
+    singles = [one for one in able if len(one.effects) == 1]
+    # one that explains all but as much as the first, as well as scores are known, may be what it is
+    close = [one for one in singles[:2] if one.score >= (1.0 - SCORE_SHARE) * singles[0].score]
+    yield replace(naming, answers=()), (*likely, *(one for one in close if one not in likely))
 
 
 def _predicted(
@@ -648,7 +656,7 @@ def _holding(
         earned = _earning(judge, naming, one, _MEMBER_SHARE, fold_share=np.inf)
         if earned is not None and _tells(_explained(judge, earned.effects, seed)):
             return earned, False
-    for one in near:
+    for one in sorted(near, key=lambda one: len(one.effects)):
         # one effect that explains most of the whole tells much, though of a push or two it gets the turn wrong; and so
         # does a set that explains as much as one that is named, though a push that needs no effect is predicted worse,
         # or one that surely explains most of the whole, and that in every fold
