@@ -323,7 +323,7 @@ def graded(
         rivals = tuple(one for one in rivals if one not in alike)
     if naming is not None and chosen is not None and not rivals and not alike:
         beside = _slight(judge, chosen)
-        chosen, more, judge = _with_more(judge, naming, chosen, reach, matters)
+        chosen, more, alike, judge = _with_more(judge, naming, chosen, reach, matters)
         beside += more
     explained = _explained(judge, chosen.effects, seed) if chosen else None
     effects = chosen.effects if chosen else ()
@@ -483,13 +483,15 @@ def _slight(judge: _Judge, whole: Candidate) -> Names:
 
 def _with_more(
     judge: _Judge, naming: Naming, chosen: Candidate, reach: float | None, matters: float
-) -> tuple[Candidate, Names, _Judge]:
+) -> tuple[Candidate, Names, tuple[Candidate, ...], _Judge]:
     """The set with further members, as long as what is left matters and one earns its place in every fold.
 
     Beside one that is so strong that all else is a twentieth of the error, that may be many times what matters. One
-    that explains little of the whole is told apart, and is the last.
+    that explains little of the whole is told apart, and is the last. So is one that another law of the same physics
+    does as well as.
     """
     bench, predicted = judge.bench, judge.seen
+    alike: tuple[Candidate, ...] = ()
     while _is_left(judge, chosen.effects, matters) and len(chosen.effects) < _LARGEST:
         offered = _predicted(bench, predicted, tuple(naming.further(chosen)))
         judge = _Judge(bench, predicted, _floor(bench, predicted, reach))
@@ -497,13 +499,15 @@ def _with_more(
         if not able:
             break
         best = min(able, key=lambda one: float(judge.sums(one.effects).sum()))
-        if any(_adds_alike(judge, chosen, best, one) for one in offered if one is not best):
+        same = [one for one in offered if one is not best and _adds_alike(judge, chosen, best, one)]
+        if any(_physics(one) != _physics(best) for one in same):
             break
         own = tuple(name for name in best.effects if name not in chosen.effects)
-        if judge.share(best.effects) - judge.share(chosen.effects) < PARTIAL:
-            return best, own, judge
-        chosen = best
-    return chosen, (), judge
+        slight = judge.share(best.effects) - judge.share(chosen.effects) < PARTIAL
+        chosen, alike = best, tuple(same)
+        if slight or alike:
+            return chosen, own if slight else (), alike, judge
+    return chosen, (), alike, judge
 
 
 def _adds(judge: _Judge, part: Candidate, whole: Candidate, matters: float) -> bool:
@@ -703,11 +707,15 @@ def _only_law(judge: _Judge, chosen: Candidate, rival: Candidate, seed: int) -> 
     So do laws of the same physics, alone or beside others. And of several hundred sets of two effects some do by chance
     what one does: of what needs more effects and surely leaves no less, the one effect is told.
     """
-    own, other = ({family_of(name) for name in one.effects} for one in (chosen, rival))
-    if own <= other:
+    if _physics(chosen) <= _physics(rival):
         return True
     more = len(rival.effects) > len(chosen.effects)
     return more and not _surely_worse(judge, rival, chosen, seed)
+
+
+def _physics(one: Candidate) -> set[str]:
+    """Pieces of physics that a set holds laws of."""
+    return {family_of(name) for name in one.effects}
 
 
 def _holds(general: Candidate, special: Candidate) -> bool:
@@ -735,16 +743,20 @@ def _behind(judge: _Judge, chosen: Candidate, rival: Candidate, seed: int) -> bo
 
     Of two laws that are alike where a fit may bend them, other recordings tell; but they are no witness against a law
     that was the likelier one, as one recording may be far off for a number that no other tells. For the same reason
-    the chosen one must leave next to nothing beside what the other leaves, and that more than noise makes.
+    the chosen one must leave next to nothing beside what the other leaves, and that more than noise makes; but of a
+    law of other physics that is no likelier anywhere, what noise makes in both alike is no excuse.
     """
     if rival.score - chosen.score > SCORE_SHARE * chosen.score:
         return False
     own, other = (judge.sums(one.effects) for one in (chosen, rival))
     left, more = (max(float(np.sum(of - judge.floor)), 0.0) for of in (own, other))
     excess = max(float(own.sum() / judge.floor.sum()), 1.0)
-    if more <= judge.chance:
+    if 0.5 * float(np.sum(other - own)) <= _EQUAL_NATS * excess:
         return False
-    if 0.5 * (more - left) <= _EQUAL_NATS * excess or left > (1.0 - _NEARLY_ALL) * more:
+    within = more <= judge.chance and left <= judge.chance
+    if within and chosen.score >= rival.score and _physics(chosen) != _physics(rival):
+        return _surely_worse(judge, chosen, rival, seed)
+    if more <= judge.chance or left > (1.0 - _NEARLY_ALL) * more:
         return False
     return _surely_worse(judge, chosen, rival, seed)
 
