@@ -431,14 +431,7 @@ def _pools(
         return
     if naming.answers:
         least = naming.answers[0].score - _EQUAL_NATS
-        kept = {one.effects for one in naming.answers}
-        near = tuple(
-            one
-            for one in naming.candidates
-            if one.effects not in kept
-            and (_refuted(one) or (one.adequate and not one.rejected))
-            and one.score >= least
-        )
+        near = tuple(one for one in naming.candidates if _refuted(one) and one.score >= least)
         yield naming, (*naming.answers, *near)[: _JUDGED[quick]]
     able = [one for one in naming.candidates if not one.duplicate and one.score > 0.0]
     likely = able[: _JUDGED[quick]]
@@ -663,12 +656,13 @@ def _holding(
     for one in sorted(near, key=lambda one: len(one.effects)):
         # one effect that explains most of the whole tells much, though of a push or two it gets the turn wrong; and so
         # does a set that explains as much as one that is named, though a push that needs no effect is predicted worse,
-        # or one that surely explains most of the whole, and that in every fold
+        # or one that surely explains most of the whole, in no fold the wrong way and not in a single one
         explained = _explained(judge, one.effects, seed)
         single = len(one.effects) == 1 and judge.lessens(one.effects)
         most = single and explained.share >= _MOST_OF_ALL and _tells(explained)
-        least = -_FOLD_SHARE * judge.explainable
-        throughout = explained.low >= _MOST_OF_ALL and judge.by_fold((), one.effects).min() >= least
+        folds, least = judge.by_fold((), one.effects), -_FOLD_SHARE * judge.explainable
+        even = folds.min() >= least and folds.max() <= _MOST_OF_ALL * folds.sum()
+        throughout = explained.low >= _MOST_OF_ALL and even
         if most or throughout or (explained.share >= NAMED and explained.low >= SURE):
             return one, False
     return first, True
