@@ -223,13 +223,6 @@ class _Judge:
         share = float(np.sum(self.sums(()) - self.sums(names))) / self.explainable
         return min(share, 1.0)  # more than all is rounding: the floor lies below every set
 
-    def by_fold(self, part: Names, whole: Names) -> Floats:
-        """(K,) by how much less a set leaves of each fold than another one, such as a part of it."""
-        return np.asarray(
-            np.bincount(self.bench.fold, weights=self.sums(part) - self.sums(whole)),
-            dtype=np.float64,
-        )
-
     def carries(self, names: Names) -> bool:
         """Whether a set predicts recordings that it was not chosen by no worse, in place and in turn.
 
@@ -525,9 +518,15 @@ def _adds(judge: _Judge, part: Candidate, whole: Candidate, matters: float) -> b
     return True
 
 
+def _by_fold(judge: _Judge, part: Names, whole: Names) -> Floats:
+    """(K,) by how much less a set leaves of each fold than another one, such as a part of it."""
+    fall = judge.sums(part) - judge.sums(whole)
+    return np.asarray(np.bincount(judge.bench.fold, weights=fall), dtype=np.float64)
+
+
 def _takes(judge: _Judge, part: Names, whole: Names) -> bool:
     """Whether a set leaves much less than a part of it does, and not more in any fold."""
-    folds = judge.by_fold(part, whole)
+    folds = _by_fold(judge, part, whole)
     bar = _FURTHER_SHARE * float(np.sum(judge.sums(part) - judge.floor))
     return bool(folds.sum() >= bar and folds.min() >= -_FOLD_SHARE * judge.explainable)
 
@@ -660,7 +659,7 @@ def _holding(
         explained = _explained(judge, one.effects, seed)
         single = len(one.effects) == 1 and judge.lessens(one.effects)
         most = single and explained.share >= _MOST_OF_ALL and _tells(explained)
-        folds, least = judge.by_fold((), one.effects), -_FOLD_SHARE * judge.explainable
+        folds, least = _by_fold(judge, (), one.effects), -_FOLD_SHARE * judge.explainable
         even = folds.min() >= least and folds.max() <= _MOST_OF_ALL * folds.sum()
         throughout = explained.low >= _MOST_OF_ALL and even
         if most or throughout or (explained.share >= NAMED and explained.low >= SURE):
@@ -684,7 +683,7 @@ def _earning(
     for member in whole.effects:
         rest = tuple(name for name in whole.effects if name != member)
         judge.with_part(whole, rest)
-        folds, bar = judge.by_fold(rest, whole.effects), judge.explainable
+        folds, bar = _by_fold(judge, rest, whole.effects), judge.explainable
         if folds.sum() > least * bar and folds.min() >= -fold_share * bar:
             continue
         smaller = _listed(naming, rest)
