@@ -321,7 +321,9 @@ def graded(
     explained = _explained(judge, chosen.effects, seed) if chosen else None
     effects = chosen.effects if chosen else ()
     by_effect, tables = _shapley(judge, chosen, _phases(recordings, bench))
-    stage = _unnamed_stage(judge, effects, where)
+    # of a set that explains too little for a name the stage is as open as any
+    named = effects if explained and _tells(explained) else ()
+    stage = _unnamed_stage(judge, named, where)
     cells = _cells(tables, effects, stage) if missing else ()
     return Grade(
         verdict=_verdict(missing, explained, rivals, everywhere and not (beside or alike)),
