@@ -1,4 +1,4 @@
-"""What an error that a tracker makes in every frame alike leaves open of the numbers of a fit.
+"""What errors that no scatter shows leave open of the numbers of a fit: those of all frames alike, and small ones.
 
 An outline that is a little too large, or light from one side, displaces what is seen in the same way throughout a set
 of recordings. Frames that are compared with one another do not show it, and no recording disagrees with another:
@@ -44,12 +44,36 @@ def widened(baseline: Baseline, refit: Refit, known: tuple[Interval, ...]) -> tu
     Returns
     -------
     tuple
-        Wider by that and by what no detector sees.
+        As wide as they were where no error of σ is known to stay.
     """
-    if not known:
-        return known
+    reach = _reach(baseline, refit)
+    return _wider(refit, known, reach) if np.any(reach) and known else known
+
+
+def roomier(refit: Refit, known: tuple[Interval, ...]) -> tuple[Interval, ...]:
+    """Intervals with room for an error that is just too small to be seen.
+
+    Every set is a little wrong in many ways at once. What stays undetected changes all frames together by up to
+    `SEEN` standard deviations; of as many directions as there are effects, that of a number has its share.
+
+    Parameters
+    ----------
+    refit
+        The extended fit, which leaves no more than noise.
+    known
+        Intervals of its numbers.
+    """
+    _, left = beyond_starts(refit.model, refit.fitted.jacobian[0], refit.tangent)
+    free = np.flatnonzero(refit.model.fitted & (np.linalg.norm(left, axis=1) > 0.0))
+    told = np.diag(np.linalg.pinv(left[free] @ left[free].T, rcond=_RANK**2, hermitian=True))
+    reach = np.zeros(len(refit.model.parameters))
+    reach[free] = _HALF * SEEN * np.sqrt(np.maximum(told, 0.0) / len(CATALOGUE))
+    return _wider(refit, known, reach)
+
+
+def _wider(refit: Refit, known: tuple[Interval, ...], reach: Floats) -> tuple[Interval, ...]:
+    """Intervals to which half widths (n,), in coordinates, were added by their squares."""
     columns = [refit.model.keys.index(one.key) for one in known]
-    reach = np.hypot(_reach(baseline, refit), _unseen(refit))
     ends = np.tile(refit.fits.values[0], (3, 1))
     ends[:, columns] = np.array([[one.value, one.low, one.high] for one in known]).T
     middle, low, high = refit.model.coordinates(ends)
@@ -70,20 +94,6 @@ def _between(one: Interval, low: float, high: float) -> Interval:
         open_low=low <= parameter.low,
         open_high=high >= parameter.high,
     )
-
-
-def _unseen(refit: Refit) -> Floats:
-    """(n,) half widths, in coordinates, of what an error makes that is just too small to be seen.
-
-    Every set is a little wrong in many ways at once. What stays undetected changes all frames together by up to
-    `SEEN` standard deviations, and of as many directions as there are effects, that of a number has its share.
-    """
-    _, left = beyond_starts(refit.model, refit.fitted.jacobian[0], refit.tangent)
-    free = np.flatnonzero(refit.model.fitted & (np.linalg.norm(left, axis=1) > 0.0))
-    told = np.diag(np.linalg.pinv(left[free] @ left[free].T, rcond=_RANK**2, hermitian=True))
-    reach = np.zeros(len(refit.model.parameters))
-    reach[free] = np.sqrt(np.maximum(told, 0.0) / len(CATALOGUE))
-    return _HALF * SEEN * reach
 
 
 def _reach(baseline: Baseline, refit: Refit) -> Floats:
