@@ -242,7 +242,8 @@ def with_probabilities(field: list[Candidate]) -> list[Candidate]:
 def without_duplicates(field: list[Candidate]) -> list[Candidate]:
     """Mark sets that make the motion of a simpler one with more numbers.
 
-    Two single effects of different physics leave open which it is: that one has a number less does not tell.
+    Two single effects leave open which it is unless one is a limit of the other: that it has a number less does not
+    tell.
     """
     kept: list[Candidate] = []
     for one in sorted(field, key=lambda one: (one.refit.numbers, -one.score)):
@@ -252,7 +253,7 @@ def without_duplicates(field: list[Candidate]) -> list[Candidate]:
             if not other.rejected
             and other.refit.numbers < one.refit.numbers
             and one.score < other.score
-            and (len(one.effects) > 1 or _same_physics(one.effects[0], other.effects[0]))
+            and (len(one.effects) > 1 or _limit(one.effects[0], other.effects[0]))
             and np.linalg.norm(one.refit.rows - other.refit.rows) < _SAME_MOTION_SIGMA
         ]
         if same and not one.rejected:
@@ -261,9 +262,10 @@ def without_duplicates(field: list[Candidate]) -> list[Candidate]:
     return ranked(kept)
 
 
-def _same_physics(general: str, special: str) -> bool:
-    """Whether an effect is another law of the same physics as another one, or has it as a special case."""
-    return family_of(general) == family_of(special) or SPECIAL_CASE.get(general) == special
+def _limit(general: str, special: str) -> bool:
+    """Whether an effect is a limit of another one: all friction of solids is dry friction at one speed."""
+    dry = special == "dry_friction" and family_of(general) == family_of(special)
+    return dry or SPECIAL_CASE.get(general) == special
 
 
 def freed(field: list[Candidate]) -> list[Candidate]:

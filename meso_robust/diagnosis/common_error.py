@@ -1,4 +1,4 @@
-"""What an error that a tracker makes in every frame alike leaves open of the numbers of a fit.
+"""What errors that no scatter shows leave open of the numbers of a fit: those of all frames alike, and small ones.
 
 An outline that is a little too large, or light from one side, displaces what is seen in the same way throughout a set
 of recordings. Frames that are compared with one another do not show it, and no recording disagrees with another:
@@ -17,13 +17,15 @@ from scipy.stats import norm
 
 from meso_robust.diagnosis.baseline import Baseline
 from meso_robust.diagnosis.refit import Refit
-from meso_robust.diagnosis.signatures import signatures, start_of
+from meso_robust.diagnosis.signatures import SEEN, signatures, start_of
 from meso_robust.diagnosis.tangent import CONFIDENCE, Interval, beyond_starts
 from meso_robust.diagnosis.trials import trials
+from meso_robust.simulator.catalogue import CATALOGUE
 from meso_robust.types import Floats
 
 LOOKS_LIKE: Mapping[str, int] = {"reference_offset": 0, "registration_shift": 0, "part_yaw": 2}
 """Effects that such an error looks like, and the coordinate of the pose whose σ has its size: one a line."""
+_HALF = float(norm.isf(0.5 * (1.0 - CONFIDENCE)))  # standard deviations of an interval's half width
 _RANK = 1e-6  # of the largest change by a number, below which a direction is none
 
 
@@ -44,9 +46,34 @@ def widened(baseline: Baseline, refit: Refit, known: tuple[Interval, ...]) -> tu
     tuple
         As wide as they were where no error of σ is known to stay.
     """
-    reach, columns = _reach(baseline, refit), [refit.model.keys.index(one.key) for one in known]
-    if not np.any(reach) or not known:
-        return known
+    reach = _reach(baseline, refit)
+    return _wider(refit, known, reach) if np.any(reach) and known else known
+
+
+def roomier(refit: Refit, known: tuple[Interval, ...]) -> tuple[Interval, ...]:
+    """Intervals with room for an error that is just too small to be seen.
+
+    Every set is a little wrong in many ways at once. What stays undetected changes all frames together by up to
+    `SEEN` standard deviations; of as many directions as there are effects, that of a number has its share.
+
+    Parameters
+    ----------
+    refit
+        The extended fit, which leaves no more than noise.
+    known
+        Intervals of its numbers.
+    """
+    _, left = beyond_starts(refit.model, refit.fitted.jacobian[0], refit.tangent)
+    free = np.flatnonzero(refit.model.fitted & (np.linalg.norm(left, axis=1) > 0.0))
+    told = np.diag(np.linalg.pinv(left[free] @ left[free].T, rcond=_RANK**2, hermitian=True))
+    reach = np.zeros(len(refit.model.parameters))
+    reach[free] = _HALF * SEEN * np.sqrt(np.maximum(told, 0.0) / len(CATALOGUE))
+    return _wider(refit, known, reach)
+
+
+def _wider(refit: Refit, known: tuple[Interval, ...], reach: Floats) -> tuple[Interval, ...]:
+    """Intervals to which half widths (n,), in coordinates, were added by their squares."""
+    columns = [refit.model.keys.index(one.key) for one in known]
     ends = np.tile(refit.fits.values[0], (3, 1))
     ends[:, columns] = np.array([[one.value, one.low, one.high] for one in known]).T
     middle, low, high = refit.model.coordinates(ends)
@@ -93,4 +120,4 @@ def _reach(baseline: Baseline, refit: Refit) -> Floats:
     ]
     starts, left = beyond_starts(refit.model, refit.fitted.jacobian[0], refit.tangent)
     moved = np.linalg.lstsq(left.T, starts.evidence(np.array(errors)).T, rcond=_RANK)[0]
-    return np.asarray(norm.isf(0.5 * (1.0 - CONFIDENCE)) * np.linalg.norm(moved, axis=1))
+    return np.asarray(_HALF * np.linalg.norm(moved, axis=1))

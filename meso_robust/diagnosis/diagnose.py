@@ -15,7 +15,7 @@ from meso_robust import __version__
 from meso_robust.diagnosis.acceptance import Accepted, accepted
 from meso_robust.diagnosis.baseline import Baseline, fitted_baseline
 from meso_robust.diagnosis.candidates import Candidate, Naming
-from meso_robust.diagnosis.common_error import widened
+from meso_robust.diagnosis.common_error import roomier, widened
 from meso_robust.diagnosis.controls import Control, Decoys, black_box, control, decoys
 from meso_robust.diagnosis.detect import Detected, detected, spans_of
 from meso_robust.diagnosis.document import Verdict
@@ -295,8 +295,9 @@ def _numbers(baseline: Baseline, refit: Refit, rolled: RollOut | None) -> tuple[
     that are free take up what is wrong.
     """
     held = rolled is not None and rolled.weighed
-    known = intervals_by_fold(rolled) if rolled and held else intervals_of(baseline, refit)
-    return widened(baseline, refit, known)
+    if rolled is not None and held:
+        return widened(baseline, refit, intervals_by_fold(rolled))
+    return widened(baseline, refit, roomier(refit, intervals_of(baseline, refit)))
 
 
 def _reach(parts: Split, where: Located | None, answer: Accepted | None) -> float | None:

@@ -241,7 +241,7 @@ class _Judge:
         return bool(np.sum(self.sums(names)[rows]) < np.sum(self.sums(())[rows]))
 
     def with_part(self, whole: Candidate, names: Names) -> None:
-        """Predict a part of a set, whose fits begin where the whole ended."""
+        """Predict a part of a set, whose fits begin where the whole ended; what cannot be simulated explains nothing."""
         if names in self.seen:
             return
         base = self.bench.baseline
@@ -249,7 +249,9 @@ class _Judge:
         model = extended(base.model, trials, base.prepared)
         values = dict(zip(whole.refit.model.keys, whole.refit.fits.values[0], strict=True))
         start = np.array([values[key] for key in model.keys])
-        self.seen[names] = rolled_out(self.bench, model, start, self.seen[()].values)
+        self.seen[names] = self.seen[()]
+        with suppress(ValueError, np.linalg.LinAlgError):
+            self.seen[names] = rolled_out(self.bench, model, start, self.seen[()].values)
 
 
 def graded(
@@ -314,12 +316,14 @@ def graded(
         rivals = tuple(one for one in rivals if one not in alike)
     if naming is not None and chosen is not None and not rivals and not alike:
         beside = _slight(judge, chosen)
-        chosen, more, judge = _with_more(judge, naming, chosen, reach, matters)
+        chosen, more, alike, judge = _with_more(judge, naming, chosen, reach, matters)
         beside += more
     explained = _explained(judge, chosen.effects, seed) if chosen else None
     effects = chosen.effects if chosen else ()
     by_effect, tables = _shapley(judge, chosen, _phases(recordings, bench))
-    stage = _unnamed_stage(judge, effects, where)
+    # of a set that explains too little for a name the stage is as open as any
+    named = effects if explained and _tells(explained) else ()
+    stage = _unnamed_stage(judge, named, where)
     cells = _cells(tables, effects, stage) if missing else ()
     return Grade(
         verdict=_verdict(missing, explained, rivals, everywhere and not (beside or alike)),
@@ -426,9 +430,10 @@ def _pools(
         yield naming, (*naming.answers, *near)[: _JUDGED[quick]]
     able = [one for one in naming.candidates if not one.duplicate and one.score > 0.0]
     likely = able[: _JUDGED[quick]]
-    single = next((one for one in able if len(one.effects) == 1), None)
-    more = [] if single is None or single in likely else [single]
-    yield replace(naming, answers=()), (*likely, *more)
+    singles = [one for one in able if len(one.effects) == 1]
+    # one that explains all but as much as the first, as well as scores are known, may be what it is
+    close = [one for one in singles[:2] if one.score >= (1.0 - SCORE_SHARE) * singles[0].score]
+    yield replace(naming, answers=()), (*likely, *(one for one in close if one not in likely))
 
 
 def _predicted(
@@ -466,13 +471,15 @@ def _slight(judge: _Judge, whole: Candidate) -> Names:
 
 def _with_more(
     judge: _Judge, naming: Naming, chosen: Candidate, reach: float | None, matters: float
-) -> tuple[Candidate, Names, _Judge]:
+) -> tuple[Candidate, Names, tuple[Candidate, ...], _Judge]:
     """The set with further members, as long as what is left matters and one earns its place in every fold.
 
     Beside one that is so strong that all else is a twentieth of the error, that may be many times what matters. One
-    that explains little of the whole is told apart, and is the last.
+    that explains little of the whole is told apart, and is the last. So is one that another law of the same physics
+    does as well as.
     """
     bench, predicted = judge.bench, judge.seen
+    alike: tuple[Candidate, ...] = ()
     while _is_left(judge, chosen.effects, matters) and len(chosen.effects) < _LARGEST:
         offered = _predicted(bench, predicted, tuple(naming.further(chosen)))
         judge = _Judge(bench, predicted, _floor(bench, predicted, reach))
@@ -480,13 +487,15 @@ def _with_more(
         if not able:
             break
         best = min(able, key=lambda one: float(judge.sums(one.effects).sum()))
-        if any(_adds_alike(judge, chosen, best, one) for one in offered if one is not best):
+        same = [one for one in offered if one is not best and _adds_alike(judge, chosen, best, one)]
+        if any(_physics(one) != _physics(best) for one in same):
             break
         own = tuple(name for name in best.effects if name not in chosen.effects)
-        if judge.share(best.effects) - judge.share(chosen.effects) < PARTIAL:
-            return best, own, judge
-        chosen = best
-    return chosen, (), judge
+        slight = judge.share(best.effects) - judge.share(chosen.effects) < PARTIAL
+        chosen, alike = best, tuple(same)
+        if slight or alike:
+            return chosen, own if slight else (), alike, judge
+    return chosen, (), alike, judge
 
 
 def _adds(judge: _Judge, part: Candidate, whole: Candidate, matters: float) -> bool:
@@ -511,12 +520,17 @@ def _adds(judge: _Judge, part: Candidate, whole: Candidate, matters: float) -> b
     return True
 
 
+def _by_fold(judge: _Judge, part: Names, whole: Names) -> Floats:
+    """(K,) by how much less a set leaves of each fold than another one, such as a part of it."""
+    fall = judge.sums(part) - judge.sums(whole)
+    return np.asarray(np.bincount(judge.bench.fold, weights=fall), dtype=np.float64)
+
+
 def _takes(judge: _Judge, part: Names, whole: Names) -> bool:
     """Whether a set leaves much less than a part of it does, and not more in any fold."""
-    fall = judge.sums(part) - judge.sums(whole)
+    folds = _by_fold(judge, part, whole)
     bar = _FURTHER_SHARE * float(np.sum(judge.sums(part) - judge.floor))
-    folds = np.bincount(judge.bench.fold, weights=fall)
-    return bool(fall.sum() >= bar and folds.min() >= -_FOLD_SHARE * judge.explainable)
+    return bool(folds.sum() >= bar and folds.min() >= -_FOLD_SHARE * judge.explainable)
 
 
 def _adds_alike(judge: _Judge, part: Candidate, best: Candidate, other: Candidate) -> bool:
@@ -640,13 +654,17 @@ def _holding(
         earned = _earning(judge, naming, one, _MEMBER_SHARE, fold_share=np.inf)
         if earned is not None and _tells(_explained(judge, earned.effects, seed)):
             return earned, False
-    for one in near:
+    for one in sorted(near, key=lambda one: len(one.effects)):
         # one effect that explains most of the whole tells much, though of a push or two it gets the turn wrong; and so
-        # does a set that explains as much as one that is named, though a push that needs no effect is predicted worse
+        # does a set that explains as much as one that is named, though a push that needs no effect is predicted worse,
+        # or one that surely explains most of the whole, in no fold the wrong way and not in a single one
         explained = _explained(judge, one.effects, seed)
         single = len(one.effects) == 1 and judge.lessens(one.effects)
         most = single and explained.share >= _MOST_OF_ALL and _tells(explained)
-        if most or (explained.share >= NAMED and explained.low >= SURE):
+        folds, least = _by_fold(judge, (), one.effects), -_FOLD_SHARE * judge.explainable
+        even = folds.min() >= least and folds.max() <= _MOST_OF_ALL * folds.sum()
+        throughout = explained.low >= _MOST_OF_ALL and even
+        if most or throughout or (explained.share >= NAMED and explained.low >= SURE):
             return one, False
     return first, True
 
@@ -667,10 +685,8 @@ def _earning(
     for member in whole.effects:
         rest = tuple(name for name in whole.effects if name != member)
         judge.with_part(whole, rest)
-        own = judge.sums(rest) - judge.sums(whole.effects)
-        folds = np.bincount(judge.bench.fold, weights=own)
-        bar = judge.explainable
-        if own.sum() > least * bar and folds.min() >= -fold_share * bar:
+        folds, bar = _by_fold(judge, rest, whole.effects), judge.explainable
+        if folds.sum() > least * bar and folds.min() >= -fold_share * bar:
             continue
         smaller = _listed(naming, rest)
         if smaller is not None:
@@ -686,11 +702,15 @@ def _only_law(judge: _Judge, chosen: Candidate, rival: Candidate, seed: int) -> 
     So do laws of the same physics, alone or beside others. And of several hundred sets of two effects some do by chance
     what one does: of what needs more effects and surely leaves no less, the one effect is told.
     """
-    own, other = ({family_of(name) for name in one.effects} for one in (chosen, rival))
-    if own <= other:
+    if _physics(chosen) <= _physics(rival):
         return True
     more = len(rival.effects) > len(chosen.effects)
     return more and not _surely_worse(judge, rival, chosen, seed)
+
+
+def _physics(one: Candidate) -> set[str]:
+    """Pieces of physics that a set holds laws of."""
+    return {family_of(name) for name in one.effects}
 
 
 def _holds(general: Candidate, special: Candidate) -> bool:
@@ -718,16 +738,20 @@ def _behind(judge: _Judge, chosen: Candidate, rival: Candidate, seed: int) -> bo
 
     Of two laws that are alike where a fit may bend them, other recordings tell; but they are no witness against a law
     that was the likelier one, as one recording may be far off for a number that no other tells. For the same reason
-    the chosen one must leave next to nothing beside what the other leaves, and that more than noise makes.
+    the chosen one must leave next to nothing beside what the other leaves, and that more than noise makes; but of a
+    law of other physics that is no likelier anywhere, what noise makes in both alike is no excuse.
     """
     if rival.score - chosen.score > SCORE_SHARE * chosen.score:
         return False
     own, other = (judge.sums(one.effects) for one in (chosen, rival))
     left, more = (max(float(np.sum(of - judge.floor)), 0.0) for of in (own, other))
     excess = max(float(own.sum() / judge.floor.sum()), 1.0)
-    if more <= judge.chance:
+    if 0.5 * float(np.sum(other - own)) <= _EQUAL_NATS * excess:
         return False
-    if 0.5 * (more - left) <= _EQUAL_NATS * excess or left > (1.0 - _NEARLY_ALL) * more:
+    within = more <= judge.chance and left <= judge.chance
+    if within and chosen.score >= rival.score and _physics(chosen) != _physics(rival):
+        return _surely_worse(judge, chosen, rival, seed)
+    if more <= judge.chance or left > (1.0 - _NEARLY_ALL) * more:
         return False
     return _surely_worse(judge, chosen, rival, seed)
 

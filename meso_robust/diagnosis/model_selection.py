@@ -49,6 +49,7 @@ _FORM_SHARE = 0.02
 _LINEAR_SIZES = 10.0
 # of the best rough fit, that one behind its own linear estimate has, to be taken to its end
 _UNFINISHED_SHARE = 0.3
+_DOWN_TO = 2.0  # squared error over the noise, up to which a fit explains all but a little
 # of the best gain so far, that a linear estimate must reach in a quick search
 _PROMISING_SHARE = 0.5
 _AT_ONCE = (
@@ -115,11 +116,16 @@ class Contest:
     def _singles(self) -> list[Candidate]:
         """Every effect by itself."""
         chosen = sorted(self._forms(None, ()), key=lambda form: -form.gain)
+        most = max((form.gain for form in chosen if form.linear), default=0.0)
+        noise = _DOWN_TO * float(np.count_nonzero(self.baseline.seen))
         fits: list[Refit] = []
         short: set[int] = set()
         for done, form in enumerate(chosen):
             self.told("naming", done, len(chosen))
             best = max((fit.gain for fit in fits), default=0.0)
+            if all(fit.chi2 > noise for fit in fits):
+                # of what nothing explains yet, a linear estimate promises a part only
+                best = min(best, most)
             if done % _AT_ONCE == 0:
                 near = [one for one in chosen[done : done + _AT_ONCE] if self._promises(one, best)]
                 ahead(self.baseline, self.store, rough=[((one.signature,), None) for one in near])

@@ -30,6 +30,9 @@ _FORM = (
     5.0  # likewise of a number that gives it its form, about the value that the search starts from
 )
 _ROUGH = 4  # iterations that show whether an effect is worth more
+# of the way to an end of its range, up to which a size is where a search begins: what a linear estimate puts
+# beyond is not known to that end, and a search that begins there may stay there
+_HALF_WAY = 0.5
 _END = 1e-4  # typical changes from the end of a range that count as at it
 _MOST = 10  # iterations of a refit
 
@@ -257,8 +260,13 @@ def _first(
         at = before.tangent
         sizes = estimate(at.evidence(before.rows), last.left(at), last.one_sided)[0]
         sizes = np.clip(sizes, -3.0 * WIDTH, 3.0 * WIDTH)
-    values = np.append(before.fits.values[0], start_of(last.trial, sizes))
-    return np.asarray(within(model, values[None])[0])
+    own = start_of(last.trial, sizes)
+    numbers = model.parameters[len(before.fits.values[0]) :]
+    own[: len(sizes)] = [
+        np.clip(value, _HALF_WAY * one.low, _HALF_WAY * one.high)
+        for value, one in zip(own, numbers[: len(sizes)], strict=False)
+    ]
+    return np.asarray(within(model, np.append(before.fits.values[0], own)[None])[0])
 
 
 def _scored(

@@ -22,6 +22,8 @@ _ALIKE = 0.99  # cosine beyond which two signatures are one
 # typical changes: a hundred times the drag of the film at the speed of the pushes; beyond it, a dry
 # support is as good as alone, and no motion tells how much
 _STRONGEST = 1000.0
+# of a lay: nine times the drag along it of that across; against the slip, a still stronger one lets no step be solved
+_STRONGEST_LAY = 0.8
 _RATIOS = ("dry_friction", "stribeck_friction", "breakaway_friction", "uneven_support")
 _INSIDE = ("drag_centre_offset", "reference_offset", "registration_shift")
 """Effects whose place cannot be outside the part."""
@@ -80,6 +82,8 @@ def _physical(parameter: Parameter, prepared: Prepared) -> Parameter:
         low, high = shown(prepared)[:, "xy".index(key[6])]
     elif effect in _INSIDE:
         low, high = -length, length
+    elif key == "fraction":
+        low, high = -_STRONGEST_LAY, _STRONGEST_LAY
     elif effect in _RATIOS and key == "ratio":
         high = _STRONGEST * parameter.scale
     return replace(parameter, low=max(parameter.low, low), high=min(parameter.high, high))

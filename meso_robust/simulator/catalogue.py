@@ -27,14 +27,25 @@ CATALOGUE: Mapping[str, Effect] = {
 }
 """Every effect by name."""
 
-FAMILIES: Mapping[str, str] = dict.fromkeys(
-    ("dry_friction", "stribeck_friction", "breakaway_friction"), "friction of solids under the part"
-)
+FAMILIES: Mapping[str, str] = {
+    name: physics
+    for physics, names in (
+        (
+            "friction of solids under the part",
+            ("dry_friction", "stribeck_friction", "breakaway_friction"),
+        ),
+        ("pull of the stage on the part", ("body_force", "film_flow", "wall_capillarity")),
+    )
+    for name in names
+}
 """Effects that are laws of one piece of physics, by that piece: what they have in common is known though the law is not.
 
 Friction of solids is one force with a state. The age of a contact that slides at a steady speed v is D / v, so that
 friction which grows with age falls with speed, and is dry friction where the speed is one. Only how it follows a change
-of speed, within a few D, or how long a part has rested tells which law it is; and part and stage touch in any of them."""
+of speed, within a few D, or how long a part has rested tells which law it is; and part and stage touch in any of them.
+
+A tilt, a flow of the film and a meniscus pull a part that no tip touches, by a force that follows from where it is. As
+far as the pushes go, a far wall pulls as a stage does whose tilt grows along it."""
 
 
 def stage_of(effect: str) -> Stage:

@@ -9,11 +9,13 @@ import numpy.typing as npt
 import pytest
 
 from meso_robust.diagnosis.baseline import Baseline
-from meso_robust.diagnosis.common_error import widened
+from meso_robust.diagnosis.common_error import roomier, widened
 from meso_robust.diagnosis.diagnose import Diagnosis
 from meso_robust.diagnosis.refit import Refit, intervals_of, refitted
 from meso_robust.diagnosis.signatures import Signature, signatures
+from meso_robust.diagnosis.tangent import intervals
 from meso_robust.diagnosis.trials import Trial
+from meso_robust.simulator.catalogue import CATALOGUE
 from tests.diagnosis.conftest import coloured
 from tests.identification.sets import UM
 
@@ -89,3 +91,21 @@ def test_without_an_error_that_stays_intervals_are_as_they_were(
     known = intervals_of(plain, refit)
     quiet = replace(plain, noise=replace(plain.noise, stays=np.zeros(3)))
     assert widened(quiet, refit, known) is known
+
+
+def test_there_is_room_for_an_error_that_no_detector_sees(
+    seen: tuple[Baseline, Signature, Refit],
+) -> None:
+    """Of five standard deviations in as many directions as the catalogue has effects, one is the number's."""
+    plain, _, refit = seen
+    known = intervals_of(plain, refit)
+    jacobian, values = refit.fitted.jacobian[0], refit.fits.values[0]
+    curved = intervals(refit.model, values, jacobian, refit.tangent)
+    (old,), (alone,), (new,) = (
+        [i for i in of if i.key == "camera_scale.percent"]
+        for of in (known, curved, roomier(refit, known))
+    )
+    room = 5.0 / np.sqrt(len(CATALOGUE)) * (alone.high - alone.value)
+    assert new.high - new.value == pytest.approx(np.hypot(old.high - old.value, room))
+    assert new.value - new.low == pytest.approx(np.hypot(old.value - old.low, room))
+    assert new.value == old.value

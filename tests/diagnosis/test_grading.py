@@ -534,8 +534,12 @@ def extended(late: Diagnosis, monkeypatch: pytest.MonkeyPatch, **given: Any) -> 
     a = ones["a",]
     naming = Naming(answers=(), best=a, candidates=(a,), further=further)
     judge = _Judge(bench, predicted, bench.seen.sum(axis=(1, 2)).astype(float))
-    chosen, beside, _ = _with_more(judge, naming, a, None, matters)
-    return (*(name for name in chosen.effects if name not in beside), *(f"({b})" for b in beside))
+    chosen, beside, alike, _ = _with_more(judge, naming, a, None, matters)
+    return (
+        *(name for name in chosen.effects if name not in beside),
+        *(f"({b})" for b in beside),
+        *("or " + "+".join(one.effects) for one in alike),
+    )
 
 
 def test_beside_a_strong_effect_a_further_one_is_asked_for(
@@ -572,6 +576,65 @@ def test_of_further_effects_that_take_away_alike_none_is_named(
     assert extended(late, monkeypatch, a_b=(5.0, 9.0), a_c=(5.5, 9.0)) == ("a",)
     assert extended(late, monkeypatch, a_b=(5.0, 9.0), a_c=(5.5, 2.0)) == ("a",)
     assert extended(late, monkeypatch, a_b=(5.0, 9.0), a_c=(7.0, 9.0)) == ("a", "(b)")
+
+
+def test_of_further_effects_that_are_laws_of_one_physics_the_best_is_told_with_the_others(
+    late: Diagnosis, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    given = {"a": (400.0, 9.0), "a_b": (40.0, 9.0), "a_c": (45.0, 9.0)}
+    assert extended(late, monkeypatch, **given) == ("a",)
+    of = {"a": "one", "b": "another", "c": "another"}
+    monkeypatch.setattr("meso_robust.diagnosis.grading.family_of", lambda name: of[name])
+    assert extended(late, monkeypatch, **given) == ("a", "b", "or a+c")
+    # it is the last: which law it is would have to be known first
+    assert extended(late, monkeypatch, **given, a_b_c=(2.0, 9.0)) == ("a", "b", "or a+c")
+
+
+def test_a_part_that_cannot_be_simulated_explains_nothing(
+    late: Diagnosis, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def fails(*_: object) -> None:
+        raise np.linalg.LinAlgError
+
+    assert late.naming is not None
+    whole = late.naming.candidates[0]
+    bench, plain = late.grade.bench, late.grade.plain
+    judge = _Judge(bench, {(): plain}, np.zeros(len(bench.fold)))
+    monkeypatch.setattr("meso_robust.diagnosis.grading.rolled_out", fails)
+    judge.with_part(whole, whole.effects[:1])
+    assert judge.share(whole.effects[:1]) == 0.0
+
+
+def test_a_set_that_does_not_carry_over_is_told_where_it_helps_more_than_one_recording() -> None:
+    thrice = [6000.0, 95.0, 8000.0, 104.0, 98.0, 103.0, 7000.0, 97.0]
+    once = [100.0, 95.0, 9000.0, 104.0, 98.0, 103.0, 300.0, 97.0]
+    both = stated("a", "b", gain=1000.0)
+    for plain, left, told in (
+        (thrice, [2000.0, 95.0, 2500.0, 104.0, 98.0, 103.0, 2200.0, 97.0], both),
+        (thrice, [6000.0, 95.0, 2500.0, 104.0, 98.0, 103.0, 2200.0, 97.0], None),  # not surely
+        (once, [100.0, 95.0, 2400.0, 104.0, 98.0, 103.0, 300.0, 97.0], None),
+    ):
+        sums = {(): plain, ("a",): plain, ("b",): plain, ("a", "b"): left}
+        judge = stood(sums, lost=(("a", "b"),))
+        assert _holding(judge, contest(both), (both,), 0) == (told, told is None)
+    assert _explained(judge, ("a", "b"), 0).low > 0.5  # by one recording
+
+
+def test_of_sets_that_do_not_carry_over_the_one_of_fewest_effects_is_told() -> None:
+    nearly = [100.0, 95.0, 200.0, 400.0, 98.0, 103.0, 150.0, 97.0]
+    sums = {(): PLAIN, ("a",): nearly, ("b",): PLAIN, ("a", "b"): nearly}
+    one, both = stated("a", gain=900.0), stated("a", "b", gain=1000.0)
+    judge = stood(sums, lost=(("a",), ("a", "b")))
+    assert _holding(judge, contest(both, one), (both, one), 0) == (one, False)
+
+
+def test_one_effect_that_explains_as_much_as_scores_are_known_is_asked_as_well() -> None:
+    """Four sets of two hold the first effect: what another one would do by itself is asked all the same."""
+    sets = [stated("a", name, gain=20_000.0) for name in "wxyz"]
+    for gain, asked in ((18_950.0, True), (18_850.0, False)):
+        singles = [stated("a", gain=19_000.0), stated("b", gain=gain)]
+        ((_, pool),) = _pools(contest(*sets, *singles), quick=True)
+        assert (singles[1] in pool, singles[0] in pool) == (asked, True)
 
 
 def test_a_further_effect_that_does_the_work_of_another_is_not_named_beside_it(

@@ -494,7 +494,7 @@ def test_a_rough_fit_behind_its_own_linear_estimate_is_taken_to_its_end(
     def tried(_: Contest, chosen: tuple[Signature, ...], __: object) -> list[Refit]:
         (one,) = chosen
         base = candidate(one.trial.effect).refit
-        return [replace(base, trials=(one.trial,), gain=gains[one.trial.effect])]
+        return [replace(base, trials=(one.trial,), gain=gains[one.trial.effect], chi2=0.0)]
 
     def ended(_: Contest, one: Refit) -> Refit:
         asked.append(one.trials[0].effect)
@@ -504,12 +504,41 @@ def test_a_rough_fit_behind_its_own_linear_estimate_is_taken_to_its_end(
     monkeypatch.setattr(Contest, "_tried", tried)
     monkeypatch.setattr(Contest, "_ended", ended)
     monkeypatch.setattr(Contest, "_choices", lambda *_: 0.0)
-    nothing = cast(Any, None)
+    nothing = cast(Any, SimpleNamespace(seen=np.ones(1)))
     field = Contest(nothing, [], (), np.zeros(0), True, lambda *_: None)._singles()
     assert {one.effects[0] for one in field} == set(gains)
     # the one by itself, then the others that may win; not the one again
     assert asked == ["camera_rotation", "body_force"]
     assert begun == [["body_force", "camera_rotation"], ["backlash", "tip_radius"]]
+
+
+@pytest.mark.parametrize(("left", "asked"), [(250.0, True), (150.0, False)])
+def test_while_nothing_explains_estimates_are_held_against_estimates(
+    monkeypatch: pytest.MonkeyPatch, left: float, asked: bool
+) -> None:
+    """A post took more than a weight on one corner was estimated to take, and left twice the noise and more."""
+    promised = {"unmodelled_wall": 0.0, "drag_drift": 300.0, "uneven_support": 200.0}
+    tried: list[str] = []
+
+    def form(effect: str) -> Form:
+        signature = cast(Signature, SimpleNamespace(trial=Trial(effect=effect, sizes={"x": 1.0})))
+        linear = effect != "unmodelled_wall"
+        return Form(gain=promised[effect] or 900.0, signature=signature, linear=linear)
+
+    def fit(_: Contest, chosen: tuple[Signature, ...], __: object) -> list[Refit]:
+        (one,) = chosen
+        tried.append(one.trial.effect)
+        base = candidate(one.trial.effect).refit
+        return [replace(base, trials=(one.trial,), gain=2000.0, chi2=left)]
+
+    monkeypatch.setattr("meso_robust.diagnosis.model_selection.ahead", lambda *_, **__: None)
+    monkeypatch.setattr(Contest, "_forms", lambda *_: [form(effect) for effect in promised])
+    monkeypatch.setattr(Contest, "_tried", fit)
+    monkeypatch.setattr(Contest, "_refined", lambda _, fits, __: fits)
+    monkeypatch.setattr(Contest, "_all_ended", lambda *_: {})
+    seen = cast(Any, SimpleNamespace(seen=np.ones(100)))
+    Contest(seen, [], (), np.zeros(0), True, lambda *_: None)._singles()
+    assert tried == ["unmodelled_wall", *(["drag_drift", "uneven_support"] if asked else [])]
 
 
 @pytest.mark.usefixtures("one_by_one")

@@ -10,8 +10,8 @@ import pytest
 
 from meso_robust.diagnosis.baseline import Baseline
 from meso_robust.diagnosis.diagnose import Diagnosis
-from meso_robust.diagnosis.refit import WIDTH, Refit, refined, refitted
-from meso_robust.diagnosis.signatures import Signature, signatures
+from meso_robust.diagnosis.refit import WIDTH, Refit, _first, refined, refitted
+from meso_robust.diagnosis.signatures import Signature, extended, signatures
 from meso_robust.diagnosis.trials import Trial
 from tests.diagnosis.conftest import coloured
 
@@ -150,3 +150,23 @@ def test_a_second_effect_goes_on_from_the_first(late: Diagnosis) -> None:
     assert np.abs(both.fits.values[0, 3:]).max() < 0.2e-6
     assert both.chi2 < late.best.refit.chi2 + 1.0
     assert both.gain < late.best.refit.gain  # the drift is not there
+
+
+def test_a_search_begins_half_way_to_the_end_of_a_range_at_most(
+    null: Diagnosis, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A strong lay is searched from 0.8 / 2, not from the end that a linear estimate puts it at; a drift has no end."""
+    lay = Trial(
+        effect="anisotropic_drag",
+        sizes={"fraction": 0.05},
+        shape={"direction_deg": 45.0},
+        free={"direction_deg": 20.0},
+    )
+    for trial, size, start in ((lay, 25.0, 0.4), (lay, -25.0, -0.4), (lay, 4.0, 0.2)):
+        (one,) = signatures(null.baseline, [trial])
+        monkeypatch.setattr(
+            "meso_robust.diagnosis.refit.estimate", lambda *_, of=size: (np.array([of]), 1.0)
+        )
+        model = extended(null.baseline.model, (trial,), null.baseline.prepared)
+        begun = _first(null.baseline, (one,), model, None)
+        np.testing.assert_allclose(begun[-2:], [start, np.pi / 4.0])
