@@ -46,8 +46,13 @@ BLOCKS: Sequence[tuple[int, int, str]] = (
     ),
     (
         216,
-        400,
+        376,
         "what sways at rest is no noise, second effects are tried beside more first ones",
+    ),
+    (
+        376,
+        400,
+        "strong lays are searched from half way, what pulls alike is one physics, intervals leave room for the unseen",
     ),
 )
 """First case, the one after the last, and what answered them: a mended diagnoser is judged by sets that
