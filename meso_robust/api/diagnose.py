@@ -119,7 +119,8 @@ def diagnose(
         Fewer simulated sets and candidates; a coarser answer.
     relevant_um
         Error of prediction in µm below which a mismatch does not matter; by default a fifth of the
-        noise, or 0.1 where that is not known.
+        noise, or 0.1 where that is not known; of a tracker that states more noise than frames at
+        rest scatter, what that rest of it makes of a prediction.
     seed
         Seed of all random numbers.
     store

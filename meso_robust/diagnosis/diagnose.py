@@ -182,7 +182,7 @@ def diagnose(
     seed
         The same seed gives the same result.
     relevant
-        m: an error of prediction below this does not matter; None for a fifth of the noise.
+        m: an error of prediction below this does not matter; None for what `graded` takes.
     store
         Folder for intermediate results, from which an interrupted diagnosis resumes.
     told

@@ -282,7 +282,8 @@ def graded(
     seed
         Of the intervals.
     relevant
-        m: errors below do not matter; None for a fifth of the noise.
+        m: errors below do not matter; None for a fifth of the noise, or what an error of the tracker that
+        stays from frame to frame makes, if that is more.
     """
     baseline = bench.baseline
     plain = rolled_out(bench, baseline.model, baseline.fits.values[0])
@@ -409,8 +410,16 @@ def _tells(explained: Explained) -> bool:
 
 
 def _relevant(baseline: Baseline) -> float:
+    """m: a fifth of the noise, and no less than what an error that stays makes of a prediction.
+
+    It begins at a pose seen with one such error, and is compared with poses that are seen with others.
+    """
     noise = baseline.noise
-    return RELEVANT_SHARE * float(noise.sigma[0]) * noise.floor if noise.known else RELEVANT
+    if not noise.known:
+        return RELEVANT
+    place, turn = float(np.hypot(*noise.stays[:2])), float(noise.stays[2])
+    stays = float(np.sqrt(2.0)) * max(place, turn * baseline.prepared.length)
+    return max(RELEVANT_SHARE * float(noise.sigma[0]) * noise.floor, stays)
 
 
 def _pools(

@@ -109,8 +109,13 @@ def noise_of(recordings: RecordingSet) -> Noise:
         source=sources[0] if sources[0] == sources[1] else f"{sources[0]}, θ {sources[1]}",
         known=_ROUGHNESS not in sources,
         stays=sigma * np.sqrt(np.nan_to_num(shares)),
-        sway=found.sway,
+        sway=_beyond(found.sway, recordings.sensor.position_sigma),
     )
+
+
+def _beyond(sway: Sway | None, stated: float | None) -> Sway | None:
+    """A sway, unless it is smaller than the stated noise: a tracker errs as much, and slowly."""
+    return sway if sway is None or sway.metres > (stated or 0.0) else None
 
 
 def with_noise(recordings: RecordingSet, noise: Noise) -> RecordingSet:

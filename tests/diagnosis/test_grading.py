@@ -115,6 +115,25 @@ def test_the_share_is_of_the_error_beyond_the_floor(late: Diagnosis) -> None:
     assert grade.size > 3 * UM
 
 
+@pytest.mark.parametrize(
+    ("stays", "um"),
+    [
+        ((3.0 * UM, 4.0 * UM, 0.0), 5.0 * 2.0**0.5),
+        ((0.0, 3.0 * UM, 0.01), 0.01 * 0.5 * float(np.hypot(1616.0, 837.0)) * 2.0**0.5),
+        ((0.01 * UM, 0.0, 0.0), 0.2 * 1.2),
+    ],
+)
+def test_what_an_error_makes_that_stays_does_not_matter(
+    late: Diagnosis, stays: tuple[float, float, float], um: float
+) -> None:
+    """A prediction begins with one such error, and what is seen later has another; a turn moves a whole part."""
+    bench = late.grade.bench
+    noise = replace(bench.baseline.noise, stays=np.array(stays))
+    bench = replace(bench, baseline=replace(bench.baseline, noise=noise))
+    found = replace(late, grade=replace(late.grade, bench=bench))
+    assert again(found, naming=None).relevant == pytest.approx(um * UM, rel=0.01)
+
+
 def test_what_matters_is_for_the_user_to_say(late: Diagnosis) -> None:
     assert late.grade.relevant == pytest.approx(0.2 * 1.2 * UM)
     grade = again(late, relevant=1e-3)
