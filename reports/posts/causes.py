@@ -22,7 +22,7 @@ from meso_robust.motion.two_sided import Grip, cut, enclose_slide
 from meso_robust.planning.reading import read_plan
 from meso_robust.planning.rules import rules_of
 from meso_robust.primitives import rotation
-from meso_robust.primitives.approach import approach
+from meso_robust.primitives.approach import Touch, approach
 from meso_robust.primitives.certify import certify_move
 from meso_robust.primitives.obligation import Step
 from meso_robust.primitives.setup import ZERO, PoseBox, Setup, setup_of
@@ -89,13 +89,26 @@ def by_cause(step: Step, setup: Setup, size: int, rounds: int) -> list[str]:
     return rows
 
 
-def by_slide(step: Step, setup: Setup) -> Iterator[str]:
-    """Rows of the second table: the slide at the end when all that is not named is known."""
+def the_rotation() -> tuple[Step, Setup]:
+    """It as certified, and its task."""
+    task = load_task(TASK)
+    setup = setup_of(task)
+    steps = certify(rules_of(read_plan(TASK.with_name("plan.json"), task)), setup).steps
+    return next(one for one in steps if one.rule.action == "rotate"), setup
+
+
+def touched(step: Step, setup: Setup) -> tuple[rotation.Move, Touch]:
+    """The rotation, and where both tips touch first."""
     frame = step.rule.frame
     move, _ = rotation.as_begun(step.rule, frame.from_world(step.pre), frame.setup(setup))
     touch = approach(move.box, move.grip, move.labels, move.first_gap, move.edge, move.of)
     if touch is None:
         raise RuntimeError("the approach could not be enclosed")
+    return move, touch
+
+
+def by_slide(move: rotation.Move, touch: Touch) -> Iterator[str]:
+    """Rows of the second table: the slide at the end when all that is not named is known."""
     start, others = touch.start, tuple(name for name in CONSTANT if name != "room")
     told = start.labels
     for name, open_, early, rooms in (
@@ -133,11 +146,9 @@ def main() -> int:
     parser.add_argument("--rounds", type=int, default=12)
     parser.add_argument("--out", type=Path, default=OUT)
     asked = parser.parse_args()
-    task = load_task(TASK)
-    setup = setup_of(task)
-    steps = certify(rules_of(read_plan(TASK.with_name("plan.json"), task)), setup).steps
-    step = next(one for one in steps if one.rule.action == "rotate")
-    slide = list(by_slide(step, setup))
+    step, setup = the_rotation()
+    move, touch = touched(step, setup)
+    slide = list(by_slide(move, touch))
     print("\n".join(slide), flush=True)
     lines = [
         "# Where the width of a rotation comes from",
