@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 import meso_robust
-from reports.blind3 import film as renderer, filmed
+from reports.blind3 import film as renderer, filmed, filming
 from reports.blind3.cases import listed
 from reports.blind3.film import PIXEL_UM, drawn_look, film
 from reports.blind3.generate import (
@@ -103,16 +103,16 @@ def test_a_world_is_made_again_from_its_label_and_no_other() -> None:
 
     labels = json.loads((filmed.HERE / "commitment.json").read_text(encoding="utf-8"))["sets"]
     case, label = listed()[300], labels["300"]
-    world, _ = filmed.world_of(case, label)
+    world, _ = filming.world_of(case, label)
     assert [one.truth for one in world.changes] == [label["truth"]]
     with pytest.raises(ValueError, match="another case"):
-        filmed.world_of(listed()[301], label)
+        filming.world_of(listed()[301], label)
 
 
 def test_the_films_are_of_other_cases() -> None:
     assert not {case.seed for case in filmed.cases()} & {case.seed for case in listed()}
     kinds = [case.kind for case in filmed.cases()]
-    assert [kinds.count(kind) for kind in ("single", "null", "pair", "outside")] == [50, 20, 15, 15]
+    assert [kinds.count(kind) for kind in ("single", "null", "pair", "outside")] == [70, 28, 21, 21]
 
 
 def test_answers_are_of_promised_sets_only(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
