@@ -19,9 +19,9 @@ from reports.blind3.cases import HERE, Case, digest, listed, text_hash
 from reports.blind3.filming import SEED, tracked
 from reports.blind3.score import Scored, results_text
 
-OUT = HERE / "filmed"
+OUT = HERE / "films"
 SETS, COMMITMENT = OUT / "sets", OUT / "commitment.json"
-COUNT = 140
+COUNT = 120
 FORMS = ("quick", "full")
 BLOCKS: Sequence[tuple[int, int, str]] = (
     (0, 100, "the diagnoser that answered the last block of the others"),
