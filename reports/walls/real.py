@@ -29,10 +29,7 @@ REAL: Mapping[str, Keys] = {
     "centre of drag ± 20 um": {"uncertainty": {"drag_centre_um": 20.0}},
     "anisotropy 5 %": {"uncertainty": {"drag_anisotropy_percent": 5.0}},
 }
-SEVERAL: Mapping[str, tuple[str, ...]] = {
-    "all of these but the tips": tuple(list(REAL)[1:]),
-    "all of these": tuple(REAL),
-}
+SEVERAL: Mapping[str, tuple[str, ...]] = {"all of these but the tips": tuple(list(REAL)[1:])}
 SEARCH_S = 400.0
 HEAD = """# Into the slot with real tips and a real part
 
