@@ -12,7 +12,7 @@ import pytest
 
 import meso_robust
 from reports.blind3 import film as renderer, filmed, filming
-from reports.blind3.cases import listed
+from reports.blind3.cases import HERE, listed
 from reports.blind3.film import PIXEL_UM, drawn_look, film
 from reports.blind3.generate import (
     LENGTH,
@@ -101,7 +101,7 @@ def own_y(poses: Floats) -> Floats:
 
 def test_a_world_is_made_again_from_its_label_and_no_other() -> None:
 
-    labels = json.loads((filmed.HERE / "commitment.json").read_text(encoding="utf-8"))["sets"]
+    labels = json.loads((HERE / "commitment.json").read_text(encoding="utf-8"))["sets"]
     case, label = listed()[300], labels["300"]
     world, _ = filming.world_of(case, label)
     assert [one.truth for one in world.changes] == [label["truth"]]
