@@ -8,9 +8,10 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 
-from meso_robust.diagnosis.noise import Noise, noise_of, weighed, with_noise
+from meso_robust.diagnosis.noise import Noise, _beyond, noise_of, weighed, with_noise
 from meso_robust.errors import InputError
 from meso_robust.recordings import RecordingSet
+from meso_robust.recordings.sway import Sway
 from tests.diagnosis.designs import SIGMA, Plan, recorded_plans
 from tests.identification.sets import PART, UM
 
@@ -43,6 +44,14 @@ def in_contact(recordings: RecordingSet) -> RecordingSet:
         for one in recordings.recordings
     )
     return replace(recordings, recordings=kept)
+
+
+def test_a_sway_below_the_stated_noise_is_the_trackers() -> None:
+    size = np.array([0.1 * UM, 0.1 * UM, 0.0])
+    sway = Sway(rate=0.2, rate_error=0.1, size=size, error=0.1 * size, p_value=0.005)
+    assert _beyond(sway, 0.2 * UM) is None
+    assert _beyond(sway, 0.05 * UM) is sway
+    assert _beyond(sway, None) is sway
 
 
 def test_noise_that_is_stated_is_believed() -> None:
