@@ -64,8 +64,8 @@ class State(NamedTuple):
     dry: Floats
     """(K, DRY) table of the dry points, see `support.DRY`."""
     space: Floats
-    """(8, 6) workspace: film matrix, tangent, offset, twist, new twist, wrench of the stage, last
-    twist, last pose."""
+    """(8, 6) workspace: film matrix, tangent, offset, twist, new twist (each of the two with what it was
+    before, in the last three columns), wrench of the stage, last twist, last pose."""
 
 
 @maker

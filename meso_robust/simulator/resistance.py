@@ -44,6 +44,8 @@ SOLVER_FAILURE = int(Outcome.SOLVER_FAILURE)
 
 _TWIST = 1e-9  # tip speeds: twists this close agree
 _ON_THE_WAY = 0.1  # of the speed that points creep at: the same while the law is smoothed
+# of the way between two new twists, how far beyond the last one to go at most, and how far back
+_AHEAD, _BACK = 4.0, 0.5
 _STEADY = 0.1  # a change this much smaller than the one before foretells the next one
 # most of a first try: nine steps of ten need five or fewer, and one in thirty goes round in a circle
 _FIRST_TANGENTS = 12
@@ -212,8 +214,11 @@ def _tangents(
         new[0] = speed * (w[STEP.factor] * m0 + w[STEP.factor + 1] * m1 + w[STEP.factor + 3] * m2)
         new[1] = speed * (w[STEP.factor + 2] * m1 + w[STEP.factor + 4] * m2)
         new[2] = speed * w[STEP.factor + 5] * m2
-        update_forces(points, twist, new, state.dry)
         change = _change(twist, new, case.scene.size)
+        _go_on(twist, new, case.scene.size, change < before)
+        update_forces(points, twist, new, state.dry)
+        for k in range(3):
+            twist[k] = new[k]
         # tangents close in on the twist evenly: the next change is to this one as this is to the last
         if change <= close or (change <= _STEADY * before and change * change <= close * before):
             return COMPLETED
@@ -251,11 +256,29 @@ def _balance(
 
 @part
 def _change(twist: Floats, new: Floats, size: float) -> float:
-    """By how much two twists differ, as a speed; the first is overwritten by the second."""
-    change = abs(new[0] - twist[0]) + abs(new[1] - twist[1]) + size * abs(new[2] - twist[2])
+    """By how much two twists differ, as a speed."""
+    return float(abs(new[0] - twist[0]) + abs(new[1] - twist[1]) + size * abs(new[2] - twist[2]))
+
+
+@part
+def _go_on(twist: Floats, new: Floats, size: float, falls: bool) -> None:
+    """Go on from a twist to where changes that fall evenly lead: Anderson's method of depth one.
+
+    D. G. Anderson 1965, doi:10.1145/321296.321305. The columns behind those of a twist hold what it was before. The
+    tangent of a law that is not symmetric, such as that of a lay, is a part of its derivative only: changes
+    then fall by the same share each time.
+    """
+    along, square = 0.0, 0.0
     for k in range(3):
-        twist[k] = new[k]
-    return float(change)
+        unit = size * size if k == 2 else 1.0
+        change = new[k] - twist[k]
+        fall = change - (new[3 + k] - twist[3 + k])
+        along, square = along + unit * change * fall, square + unit * fall * fall
+    share = min(max(along / square, -_AHEAD), _BACK) if falls and square > 0.0 else 0.0
+    for k in range(3):
+        step = new[k] - new[3 + k]
+        new[3 + k], twist[3 + k] = new[k], twist[k]
+        new[k] -= share * step
 
 
 @part
