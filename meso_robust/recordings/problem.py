@@ -26,6 +26,7 @@ KINDS: Mapping[str, str] = {
     "frozen": "frozen pose",
     "outlier": "poses off the path",
     "jump": "jump",
+    "shake": "image that shakes",
     "copy": "the same push twice",
     "alike": "ambiguous orientation",
     "units": "units that look wrong",

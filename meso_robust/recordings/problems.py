@@ -113,4 +113,5 @@ def _content(view: View) -> list[Problem]:
     view = view.without(outliers)
     broken = breaks(view)
     found += [*broken, *wraps(view)]
-    return found if broken else [*found, *contact_problems(view), *force_problems(view)]
+    lost = any(one.severity == "error" for one in broken)
+    return found if lost else [*found, *contact_problems(view), *force_problems(view)]

@@ -190,6 +190,17 @@ def test_half_a_turn_of_a_symmetric_part_is_named() -> None:
     assert "symmetric part by 180°" in jump.advice
 
 
+@pytest.mark.parametrize("axis", [1, 2])
+def test_an_image_that_shakes_is_a_warning_and_its_contact_is_judged(axis: int) -> None:
+    changed = poses()
+    changed[::2, axis] += 0.15 if axis == 2 else 60 * UM
+    every = problems(planted(poses=changed))
+    (shaken,) = (one for one in every if one.kind == "shake")
+    assert len(shaken.rows) == FRAMES - 1
+    assert f"{FRAMES - 1} of {FRAMES} frames" in shaken.value
+    assert {one.severity for one in every} == {"warning"}
+
+
 def test_a_recording_of_nothing_but_jumps_is_one_error() -> None:
     changed = poses()
     changed[::2, 1] += 500 * UM

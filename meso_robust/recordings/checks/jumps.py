@@ -16,6 +16,7 @@ _PUSH = 3.0  # a pushed part is not faster than the tip; twice that again for wh
 _NOISE = 8.0 * math.sqrt(2.0)  # standard deviations of a difference
 _MOST = 4
 _SINGLY = 10  # jumps that are listed one by one
+_SHAKEN = 0.2  # of the part's radius of gyration: steps up to which it shakes, and beyond which it is lost
 _SHORT = 5  # frames of a stretch that may be a mistake of the tracker
 
 
@@ -58,8 +59,16 @@ def outlying_problem(view: View, frames: Integers) -> list[Problem]:
 
 
 def breaks(view: View) -> list[Problem]:
-    """Jumps after which the part stays: the rows after them, one problem each if they are few."""
+    """Jumps after which the part stays: the rows after them, one problem each if they are few.
+
+    Where one frame in four jumps, and none far, the image shakes: the part is where it is seen on the whole.
+    """
     at = _breaks(view, view.seen)
+    if _MOST * at.size > view.seen.size:
+        step = np.abs(np.diff(view.recording.poses[view.seen], axis=0))
+        far, size = np.hypot(step[:, 0], step[:, 1]).max(), gyration(view.recordings.part.outline)
+        if max(far, size * turn(step[:, 2]).max()) <= _SHAKEN * size:
+            return [_shake(view, at, float(far))]
     pairs = [(view.seen[k - 1], view.seen[k]) for k in at.tolist()]
     if len(pairs) <= _SINGLY:
         return [_break(view, int(a), int(b)) for a, b in pairs]
@@ -73,6 +82,17 @@ def breaks(view: View) -> list[Problem]:
             "check the tracker; leave the recording out",
         )
     ]
+
+
+def _shake(view: View, at: Integers, far: float) -> Problem:
+    return view.problem(
+        "shake",
+        "warning",
+        view.seen[at],
+        f"the part is seen to go to and fro in {at.size} of {view.seen.size} frames, by up to {1e6 * far:.3g} µm a frame",
+        f"a tip moves it by at most {_allowed_text(view)} a frame",
+        "stop what shakes: table, stage or camera; results are as uncertain as the image is",
+    )
 
 
 def _break(view: View, before: int, after: int) -> Problem:
