@@ -27,10 +27,12 @@ Command: `python -m reports.diagnosis.real_report --recordings FOLDER --out repo
 
 Recordings of other laboratories, macroscopic and dry: a single kinematic pusher, or two tips, move a part on an
 ellipsoidal limit surface as on a film with ρ = (m_max/f_max)². Nothing was tuned to them. *Explains*: share of the
-explainable error, out of fold, with its 90 % interval. *Held out*: errors of recordings that no fit has seen, of the
-plain model and with what is told.
+explainable error, out of fold, with its 90 % interval. *Out of fold*: root mean square errors of all recordings, each
+predicted from rest by a fit to the other folds, beyond what free hidden inputs leave: of the plain model (place or the
+turn of the farthest corner, whichever is larger), and with what is told (place; turn). *Held out*: whole errors of the few recordings that
+the effects were chosen without.
 
-| set | recordings | verdict | told | explains, % | held out, mm | left, mm and ° |
+| set | recordings | verdict | told | explains, % | out of fold, mm | held out, mm |
 |---|---:|---|---|---:|---:|---:|
 {rows}
 """
@@ -54,8 +56,10 @@ def row(name: str, found: DiagnosisDocument, count: int) -> str:
         if share is None
         else f"{_percent(share.share)} [{_percent(share.low)}, {_percent(share.high)}]"
     )
-    rest = "–" if left is None else f"{left.um / 1e3:.2f}, {left.deg:.2f}"
-    return f"| {name} | {count} | {found.verdict} | {told} | {sure} | {held} | {rest} |"
+    before = found.explainable_um
+    whole = "–" if before is None else f"{before / 1e3:.2f}"
+    rest = "–" if left is None else f"{left.um / 1e3:.2f}; {left.deg:.2f}°"
+    return f"| {name} | {count} | {found.verdict} | {told} | {sure} | {whole} → {rest} | {held} |"
 
 
 def _percent(share: float) -> str:
