@@ -31,9 +31,11 @@ from meso_robust.diagnosis.candidates import (
 )
 from meso_robust.diagnosis.document import Channel, Verdict
 from meso_robust.diagnosis.folds import Bench, RollOut, intervals_by_fold, rolled_out
+from meso_robust.diagnosis.hidden_inputs import CHANNELS
 from meso_robust.diagnosis.localisation import Located
 from meso_robust.diagnosis.rejection import Ground
 from meso_robust.diagnosis.signatures import extended
+from meso_robust.diagnosis.stages import stages
 from meso_robust.diagnosis.tangent import CONFIDENCE, Interval
 from meso_robust.diagnosis.windows import cuts_of
 from meso_robust.recordings import RecordingSet
@@ -324,7 +326,7 @@ def graded(
     by_effect, tables = _shapley(judge, chosen, _phases(recordings, bench))
     # of a set that explains too little for a name the stage is as open as any
     named = effects if explained and _tells(explained) else ()
-    stage = _unnamed_stage(judge, named, where)
+    stage = _stage_left(judge, recordings, named, by_effect, where, matters)
     cells = _cells(tables, effects, stage) if missing else ()
     return Grade(
         verdict=_verdict(missing, explained, rivals, everywhere and not (beside or alike)),
@@ -874,18 +876,35 @@ def _cells(
     )
 
 
-def _unnamed_stage(judge: _Judge, effects: Names, where: Located | None) -> Channel | None:
-    """The stage whose hidden input explains most, of those that no effect of the set belongs to.
+def _stage_left(
+    judge: _Judge,
+    recordings: RecordingSet,
+    names: Names,
+    shares: Mapping[str, float],
+    where: Located | None,
+    matters: float,
+) -> Channel | None:
+    """The stage whose hidden inputs explain what a set leaves, which may be one that an effect of it belongs to.
+
+    A law of another form than the catalogue's leaves something at its own stage. Where inputs explain nothing more, that is
+    the stage of the effect that explains most, or else the one that explains most of the plain model's error.
 
     That of the image where most of what is left is a sway that frames at rest show: no tip moves a part then,
     and no input that is constant in a window follows it.
     """
     if where is None:
         return None
-    if _mostly_sway(judge.bench, float((judge.sums(effects) - judge.floor).sum())):
+    if _mostly_sway(judge.bench, float((judge.sums(names) - judge.floor).sum())):
         return "observation"
-    named = {stage_of(effect).name for effect in effects}
-    return next((one.channel for one in where.channels if one.channel not in named), None)
+    bench, of = judge.bench, judge.seen[names]
+    if _is_left(judge, names, matters):
+        found = stages(recordings, bench.prepared, of.model, of.values, bench.baseline.noise)
+        if (worth := max(found.values())) > 0.0:
+            return next(channel for channel, own in found.items() if own == worth)
+    if names:
+        most = stage_of(max(names, key=lambda name: shares[name])).name
+        return next(channel for channel in CHANNELS if channel == most)
+    return where.channels[0].channel
 
 
 def _size_left(judge: _Judge, names: Names) -> float:
