@@ -30,6 +30,7 @@ from meso_robust.diagnosis.grading import (
     _only_law,
     _pools,
     _slight,
+    _stage_left,
     _verdict,
     _with_more,
     graded,
@@ -39,7 +40,7 @@ from meso_robust.diagnosis.refit import Refit
 from meso_robust.diagnosis.rejection import Ground, Rejection
 from meso_robust.diagnosis.trials import Trial
 from meso_robust.recordings.sway import Sway
-from meso_robust.simulator.catalogue import CATALOGUE
+from meso_robust.simulator.catalogue import CATALOGUE, stage_of
 from tests.identification.sets import UM
 
 
@@ -197,6 +198,32 @@ def test_what_windows_leave_of_a_sway_is_no_floor(late: Diagnosis) -> None:
     still = replace(bench, baseline=replace(bench.baseline, noise=small))
     kept = again(replace(late, grade=replace(late.grade, bench=still)), **excused)
     assert kept.floor == pytest.approx(0.9 * mean, rel=0.1)
+
+
+def test_what_a_set_leaves_may_be_at_the_stage_of_its_own_effects(
+    late: Diagnosis, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A law of another form leaves something where it is; and where no input explains more, the largest effect is."""
+    bench, plain, where = late.grade.bench, late.grade.plain, late.located
+    assert where is not None
+    names, shares = ("camera_latency", "part_yaw"), {"camera_latency": 0.6, "part_yaw": 0.1}
+    predicted = {(): plain, names: replace(plain, squares=0.5 * plain.squares)}
+    judge = _Judge(bench, predicted, bench.seen.sum(axis=(1, 2)).astype(float))
+
+    def told(own: float, matters: float = 0.0, of: tuple[str, ...] = names) -> str | None:
+        found = {"support": 5.0, "observation": own}
+        monkeypatch.setattr("meso_robust.diagnosis.grading.stages", lambda *_: found)
+        return _stage_left(judge, late.recordings, of, shares, where, matters)
+
+    assert told(9.0) == "observation"
+    assert told(3.0) == "support"
+    assert told(9.0, of=()) == "observation"
+    assert (
+        told(3.0, matters=1.0) == "observation"
+    )  # nothing is left that matters: that of the latency
+    shares["part_yaw"] = 0.7
+    assert told(3.0, matters=1.0) == stage_of("part_yaw").name != "observation"
+    assert told(3.0, matters=1.0, of=()) == where.channels[0].channel
 
 
 def test_of_one_recording_nothing_is_named(late: Diagnosis) -> None:
