@@ -38,6 +38,7 @@ from meso_robust.diagnosis.signatures import extended
 from meso_robust.diagnosis.stages import stages
 from meso_robust.diagnosis.tangent import CONFIDENCE, Interval
 from meso_robust.diagnosis.windows import cuts_of
+from meso_robust.identification.prepared import some_of
 from meso_robust.recordings import RecordingSet
 from meso_robust.simulator.catalogue import CATALOGUE, family_of, stage_of
 from meso_robust.types import Floats, Ints
@@ -62,8 +63,10 @@ _DOWN_TO = 1.2  # mean square over that of noise and starts, up to which a set i
 _EQUAL_SHARE = 0.9  # of the best set's share, from which on a rival may explain as much
 _EQUAL_NATS = 5.0  # tempered, up to which recordings do not tell two sets apart
 _TEMPERED = 1.5  # squared error over the floor, from which on a likelihood is overconfident
-_MOST_OF_ALL = 0.5  # of the explainable error, that one effect explains which fails to carry over
+# of the explainable error, that one effect explains which fails to carry over, and that each of several sets does
+_MOST_OF_ALL = 0.5
 _MOSTLY = 0.5  # of what is left, from which on a sway is where it is
+_LOOKED = 8  # recordings in which it is looked for where the rest is, those that have most of it
 _RESAMPLED = 2000
 _INTERVAL = 0.9
 # half widths by which a size is beyond nought, for the best of the catalogue to be so in a tenth of the sets
@@ -400,8 +403,8 @@ def _verdict(
         return "consistent"
     if explained is None or not _tells(explained):
         return "unknown"
-    if rivals:
-        return "ambiguous"
+    if rivals:  # of sets that alike leave most of it unexplained none is the answer
+        return "ambiguous" if explained.share >= _MOST_OF_ALL else "unknown"
     sure = explained.share >= NAMED and explained.low >= SURE
     return "named" if everywhere and sure else "partial"
 
@@ -898,9 +901,12 @@ def _stage_left(
         return "observation"
     bench, of = judge.bench, judge.seen[names]
     if _is_left(judge, names, matters):
-        found = stages(recordings, bench.prepared, of.model, of.values, bench.baseline.noise)
+        rows = np.sort(np.argsort(judge.floor - judge.sums(names))[:_LOOKED])
+        some = replace(recordings, recordings=tuple(recordings.recordings[r] for r in rows))
+        own = some_of(bench.prepared, rows)
+        found = stages(some, own, of.model, of.values, bench.baseline.noise)
         if (worth := max(found.values())) > 0.0:
-            return next(channel for channel, own in found.items() if own == worth)
+            return next(channel for channel, one in found.items() if one == worth)
     if names:
         most = stage_of(max(names, key=lambda name: shares[name])).name
         return next(channel for channel in CHANNELS if channel == most)

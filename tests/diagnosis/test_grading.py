@@ -39,6 +39,7 @@ from meso_robust.diagnosis.grading import (
 from meso_robust.diagnosis.refit import Refit
 from meso_robust.diagnosis.rejection import Ground, Rejection
 from meso_robust.diagnosis.trials import Trial
+from meso_robust.recordings import RecordingSet
 from meso_robust.recordings.sway import Sway
 from meso_robust.simulator.catalogue import CATALOGUE, stage_of
 from tests.identification.sets import UM
@@ -77,6 +78,14 @@ def test_a_verdict_is_by_its_share(
 ) -> None:
     explained = Explained(share=share, low=low, high=1.0, folds=6)
     assert _verdict(matters, explained, ()) == verdict
+
+
+@pytest.mark.parametrize(("share", "verdict"), [(0.51, "ambiguous"), (0.49, "unknown")])
+def test_sets_that_alike_leave_most_unexplained_are_no_answers(
+    share: float, verdict: Verdict
+) -> None:
+    explained = Explained(share=share, low=0.3, high=0.9, folds=6)
+    assert _verdict(True, explained, (stated("b", gain=1.0),)) == verdict
 
 
 def test_what_has_no_sure_size_has_no_name(late: Diagnosis) -> None:
@@ -210,9 +219,14 @@ def test_what_a_set_leaves_may_be_at_the_stage_of_its_own_effects(
     predicted = {(): plain, names: replace(plain, squares=0.5 * plain.squares)}
     judge = _Judge(bench, predicted, bench.seen.sum(axis=(1, 2)).astype(float))
 
+    looked = []
+
     def told(own: float, matters: float = 0.0, of: tuple[str, ...] = names) -> str | None:
-        found = {"support": 5.0, "observation": own}
-        monkeypatch.setattr("meso_robust.diagnosis.grading.stages", lambda *_: found)
+        def stages(some: RecordingSet, *_: object) -> dict[str, float]:
+            looked.append([one.file for one in some.recordings])
+            return {"support": 5.0, "observation": own}
+
+        monkeypatch.setattr("meso_robust.diagnosis.grading.stages", stages)
         return _stage_left(judge, late.recordings, of, shares, where, matters)
 
     assert told(9.0) == "observation"
@@ -224,6 +238,10 @@ def test_what_a_set_leaves_may_be_at_the_stage_of_its_own_effects(
     shares["part_yaw"] = 0.7
     assert told(3.0, matters=1.0) == stage_of("part_yaw").name != "observation"
     assert told(3.0, matters=1.0, of=()) == where.channels[0].channel
+    monkeypatch.setattr("meso_robust.diagnosis.grading._LOOKED", 2)
+    assert told(9.0) == "observation"
+    left = dict(zip(bench.prepared.files, judge.sums(names) - judge.floor, strict=True))
+    assert set(looked[-1]) == set(sorted(left, key=lambda file: left[file])[-2:])
 
 
 def test_of_one_recording_nothing_is_named(late: Diagnosis) -> None:
