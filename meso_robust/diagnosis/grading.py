@@ -900,16 +900,20 @@ def _stage_left(
     if _mostly_sway(judge.bench, float((judge.sums(names) - judge.floor).sum())):
         return "observation"
     bench, of = judge.bench, judge.seen[names]
+    found: dict[Channel, tuple[float, ...]] = {}
     if _is_left(judge, names, matters):
         rows = np.sort(np.argsort(judge.floor - judge.sums(names))[:_LOOKED])
         some = replace(recordings, recordings=tuple(recordings.recordings[r] for r in rows))
         own = some_of(bench.prepared, rows)
         found = stages(some, own, of.model, of.values, bench.baseline.noise)
-        if (worth := max(found.values())) > 0.0:
-            return next(channel for channel, one in found.items() if one == worth)
-    if names:
-        most = stage_of(max(names, key=lambda name: shares[name])).name
-        return next(channel for channel in CHANNELS if channel == most)
+    largest = stage_of(max(names, key=lambda name: shares[name])).name if names else ""
+    best = max((max(worth) for worth in found.values()), default=0.0)
+    if best > _EQUAL_NATS:
+        near = [one for one, worth in found.items() if max(worth) >= best - _EQUAL_NATS]
+        # of those that explain as much the set's own, or the one that does so in windows of either length
+        return max(near, key=lambda one: (one == largest, sum(found[one])))
+    if largest:
+        return next(channel for channel in CHANNELS if channel == largest)
     return where.channels[0].channel
 
 

@@ -53,7 +53,7 @@ _ROUNDS = 20  # of a search for the width
 
 def stages(
     recordings: RecordingSet, prepared: Prepared, model: Model, values: Floats, noise: Noise
-) -> dict[Channel, float]:
+) -> dict[Channel, tuple[float, ...]]:
     """Evidence in nats for hidden inputs at each stage, beyond a model.
 
     Parameters
@@ -67,11 +67,12 @@ def stages(
 
     Returns
     -------
-    dict[Channel, float]
-        By stage; negative where its inputs are not worth their number.
+    dict[Channel, tuple[float, ...]]
+        By stage, for longer and for shorter windows; negative where its inputs are not worth their number.
     """
-    found: dict[Channel, float] = {}
+    each = []
     for pieces in _CUTS:
+        found: dict[Channel, float] = {}
         for apart in (0.0,) if prepared.tip_offset else (0.0, _APART * prepared.length):
             told = windowed(
                 recordings,
@@ -88,7 +89,8 @@ def stages(
             for channel, groups in (_ABOUT_TIPS if apart else _INPUTS).items():
                 worth = 0.5 * plain - _cost(told, groups)
                 found[channel] = max(found.get(channel, -np.inf), worth)
-    return found
+        each.append(found)
+    return {channel: tuple(one[channel] for one in each) for channel in each[0]}
 
 
 def _cost(told: Windows, groups: Groups) -> float:

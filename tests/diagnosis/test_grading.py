@@ -221,25 +221,29 @@ def test_what_a_set_leaves_may_be_at_the_stage_of_its_own_effects(
 
     looked = []
 
-    def told(own: float, matters: float = 0.0, of: tuple[str, ...] = names) -> str | None:
-        def stages(some: RecordingSet, *_: object) -> dict[str, float]:
+    def told(*own: float, matters: float = 0.0, of: tuple[str, ...] = names) -> str | None:
+        def stages(some: RecordingSet, *_: object) -> dict[str, tuple[float, ...]]:
             looked.append([one.file for one in some.recordings])
-            return {"support": 5.0, "observation": own}
+            return {"support": (50.0, 20.0), "geometry": (20.0, 48.0), "observation": own}
 
         monkeypatch.setattr("meso_robust.diagnosis.grading.stages", stages)
         return _stage_left(judge, late.recordings, of, shares, where, matters)
 
-    assert told(9.0) == "observation"
-    assert told(3.0) == "support"
-    assert told(9.0, of=()) == "observation"
+    assert told(90.0, 9.0) == "observation"
+    # in windows of either length
+    assert told(9.0, 44.0) == "support"
+    assert told(9.0, 49.0, of=()) == "support"
+    assert told(49.0, 30.0, of=()) == "observation"
+    # of those that explain as much, the set's own
+    assert told(9.0, 46.0) == "observation"
     assert (
-        told(3.0, matters=1.0) == "observation"
-    )  # nothing is left that matters: that of the latency
+        told(50.0, 9.0, matters=1.0) == "observation"
+    )  # nothing is left that matters: the latency's
     shares["part_yaw"] = 0.7
-    assert told(3.0, matters=1.0) == stage_of("part_yaw").name != "observation"
-    assert told(3.0, matters=1.0, of=()) == where.channels[0].channel
+    assert told(30.0, 9.0, matters=1.0) == stage_of("part_yaw").name != "observation"
+    assert told(90.0, 9.0, matters=1.0, of=()) == where.channels[0].channel
     monkeypatch.setattr("meso_robust.diagnosis.grading._LOOKED", 2)
-    assert told(9.0) == "observation"
+    assert told(90.0, 9.0) == "observation"
     left = dict(zip(bench.prepared.files, judge.sums(names) - judge.floor, strict=True))
     assert set(looked[-1]) == set(sorted(left, key=lambda file: left[file])[-2:])
 
