@@ -242,6 +242,11 @@ def test_what_a_set_leaves_may_be_at_the_stage_of_its_own_effects(
     shares["part_yaw"] = 0.7
     assert told(30.0, 9.0, matters=1.0) == stage_of("part_yaw").name != "observation"
     assert told(90.0, 9.0, matters=1.0, of=()) == where.channels[0].channel
+    monkeypatch.setattr(
+        "meso_robust.diagnosis.grading.stages", lambda *_: {"support": (4.9,), "contact": (-3.0,)}
+    )
+    left_little = _stage_left(judge, late.recordings, names, shares, where, 0.0)
+    assert left_little == stage_of("part_yaw").name  # what few nats tell is chance
     monkeypatch.setattr("meso_robust.diagnosis.grading._LOOKED", 2)
     assert told(90.0, 9.0) == "observation"
     left = dict(zip(bench.prepared.files, judge.sums(names) - judge.floor, strict=True))
