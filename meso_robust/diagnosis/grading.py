@@ -31,11 +31,14 @@ from meso_robust.diagnosis.candidates import (
 )
 from meso_robust.diagnosis.document import Channel, Verdict
 from meso_robust.diagnosis.folds import Bench, RollOut, intervals_by_fold, rolled_out
+from meso_robust.diagnosis.hidden_inputs import CHANNELS
 from meso_robust.diagnosis.localisation import Located
 from meso_robust.diagnosis.rejection import Ground
 from meso_robust.diagnosis.signatures import extended
+from meso_robust.diagnosis.stages import stages
 from meso_robust.diagnosis.tangent import CONFIDENCE, Interval
 from meso_robust.diagnosis.windows import cuts_of
+from meso_robust.identification.prepared import some_of
 from meso_robust.recordings import RecordingSet
 from meso_robust.simulator.catalogue import CATALOGUE, family_of, stage_of
 from meso_robust.types import Floats, Ints
@@ -60,8 +63,10 @@ _DOWN_TO = 1.2  # mean square over that of noise and starts, up to which a set i
 _EQUAL_SHARE = 0.9  # of the best set's share, from which on a rival may explain as much
 _EQUAL_NATS = 5.0  # tempered, up to which recordings do not tell two sets apart
 _TEMPERED = 1.5  # squared error over the floor, from which on a likelihood is overconfident
-_MOST_OF_ALL = 0.5  # of the explainable error, that one effect explains which fails to carry over
+# of the explainable error, that one effect explains which fails to carry over, and that each of several sets does
+_MOST_OF_ALL = 0.5
 _MOSTLY = 0.5  # of what is left, from which on a sway is where it is
+_LOOKED = 8  # recordings in which it is looked for where the rest is, those that have most of it
 _RESAMPLED = 2000
 _INTERVAL = 0.9
 # half widths by which a size is beyond nought, for the best of the catalogue to be so in a tenth of the sets
@@ -324,7 +329,7 @@ def graded(
     by_effect, tables = _shapley(judge, chosen, _phases(recordings, bench))
     # of a set that explains too little for a name the stage is as open as any
     named = effects if explained and _tells(explained) else ()
-    stage = _unnamed_stage(judge, named, where)
+    stage = _stage_left(judge, recordings, named, by_effect, where, matters)
     cells = _cells(tables, effects, stage) if missing else ()
     return Grade(
         verdict=_verdict(missing, explained, rivals, everywhere and not (beside or alike)),
@@ -398,8 +403,8 @@ def _verdict(
         return "consistent"
     if explained is None or not _tells(explained):
         return "unknown"
-    if rivals:
-        return "ambiguous"
+    if rivals:  # of sets that alike leave most of it unexplained none is the answer
+        return "ambiguous" if explained.share >= _MOST_OF_ALL else "unknown"
     sure = explained.share >= NAMED and explained.low >= SURE
     return "named" if everywhere and sure else "partial"
 
@@ -874,18 +879,42 @@ def _cells(
     )
 
 
-def _unnamed_stage(judge: _Judge, effects: Names, where: Located | None) -> Channel | None:
-    """The stage whose hidden input explains most, of those that no effect of the set belongs to.
+def _stage_left(
+    judge: _Judge,
+    recordings: RecordingSet,
+    names: Names,
+    shares: Mapping[str, float],
+    where: Located | None,
+    matters: float,
+) -> Channel | None:
+    """The stage whose hidden inputs explain what a set leaves, which may be one that an effect of it belongs to.
+
+    A law of another form than the catalogue's leaves something at its own stage. Where inputs explain nothing more, that is
+    the stage of the effect that explains most, or else the one that explains most of the plain model's error.
 
     That of the image where most of what is left is a sway that frames at rest show: no tip moves a part then,
     and no input that is constant in a window follows it.
     """
     if where is None:
         return None
-    if _mostly_sway(judge.bench, float((judge.sums(effects) - judge.floor).sum())):
+    if _mostly_sway(judge.bench, float((judge.sums(names) - judge.floor).sum())):
         return "observation"
-    named = {stage_of(effect).name for effect in effects}
-    return next((one.channel for one in where.channels if one.channel not in named), None)
+    bench, of = judge.bench, judge.seen[names]
+    found: dict[Channel, tuple[float, ...]] = {}
+    if _is_left(judge, names, matters):
+        rows = np.sort(np.argsort(judge.floor - judge.sums(names))[:_LOOKED])
+        some = replace(recordings, recordings=tuple(recordings.recordings[r] for r in rows))
+        own = some_of(bench.prepared, rows)
+        found = stages(some, own, of.model, of.values, bench.baseline.noise)
+    largest = stage_of(max(names, key=lambda name: shares[name])).name if names else ""
+    best = max((max(worth) for worth in found.values()), default=0.0)
+    if best > _EQUAL_NATS:
+        near = [one for one, worth in found.items() if max(worth) >= best - _EQUAL_NATS]
+        # of those that explain as much the set's own, or the one that does so in windows of either length
+        return max(near, key=lambda one: (one == largest, sum(found[one])))
+    if largest:
+        return next(channel for channel in CHANNELS if channel == largest)
+    return where.channels[0].channel
 
 
 def _size_left(judge: _Judge, names: Names) -> float:

@@ -34,6 +34,7 @@ _SCALES: dict[str, dict[str, float]] = {
     "camera_latency": {"time_ms": 10.0},
     "camera_rotation": {"angle_deg": 0.2},
     "camera_scale": {"percent": 0.3},
+    "camera_anisotropy": {"x_percent": 0.3, "y_percent": 0.3},
     "body_force": {"x_um_s": 0.5, "y_um_s": 0.5},
     "tip_radius": {"excess_um": 1.0},
     "part_geometry": {"x_um": 1.0, "y_um": 1.0},
@@ -95,22 +96,24 @@ class Inputs:
 
 
 def with_inputs(model: Model, tip_radius: float = np.inf) -> Inputs:
-    """Add the hidden inputs of every channel to a model.
+    """Add the hidden inputs of every channel to a model; an effect that it has is its own input.
 
     Friction at the tips is the model's input to the contact, its other parameters to the support.
     What changes the drag of a film is left out of a model without one; ``tip_radius`` is as
     for `with_effects`.
     """
-    extended = with_effects(model, _applicable(model), tip_radius=tip_radius)
+    own = {parameter.key.split(".")[0] for parameter in model.parameters if "." in parameter.key}
+    added = {name: of for name, of in _applicable(model).items() if name not in own}
+    extended = with_effects(model, added, tip_radius=tip_radius)
     base, parameters = len(model.parameters), extended.parameters
-    kinds = [_kind(parameter, k < base) for k, parameter in enumerate(parameters)]
+    kinds = [_kind(parameter) for parameter in parameters]
     tips = ["offset", "offset", "drift", "drift"]
     return Inputs(
         model=extended,
         base=base,
         free=_columns([*kinds, *tips], _FREE),
         shared=_columns([*kinds, *tips], _SHARED),
-        spans=np.array([_span(kind, k < base) for k, kind in enumerate(kinds)])[None],
+        spans=np.array([[_span(parameter) for parameter in parameters]]),
     )
 
 
@@ -123,21 +126,21 @@ def _applicable(model: Model) -> dict[str, dict[str, float]]:
     return {name: of for name, of in _SCALES.items() if not Effects({name: of}).is_on(*drag)}
 
 
-def _span(kind: str, plain: bool) -> float:
+def _span(parameter: Parameter) -> float:
     """Step of a difference, in coordinates."""
-    if not plain:
+    if "." in parameter.key:
         return 1.0
-    return _SLIP if kind == "mu" else _STEP
+    return _SLIP if _kind(parameter) == "mu" else _STEP
 
 
-def _kind(parameter: Parameter, plain: bool) -> str:
+def _kind(parameter: Parameter) -> str:
     """Name of an effect, or what a parameter of the plain model stands for."""
     if parameter.unseen:
         return ""
-    effect = parameter.key.split(".")[0]
-    if plain:
-        return "mu" if effect in ("mu", "mu_t") else "rho"
-    return effect
+    effect, _, key = parameter.key.partition(".")
+    if key:
+        return effect
+    return "mu" if effect in ("mu", "mu_t") else "rho"
 
 
 def _columns(kinds: list[str], sets: dict[Channel, tuple[str, ...]]) -> tuple[tuple[int, ...], ...]:
@@ -183,6 +186,31 @@ def solved(columns: Floats, data: Floats, least: float = _TOLD) -> Solved:
     )
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class Linear:
+    """One window: what its inputs change, and its data, without what a start can take.
+
+    Attributes
+    ----------
+    columns, data
+        (M, I) and (M,), in standard deviations of white noise.
+    chi2, freedom, components
+        As in `Statistics`.
+    parts
+        Least squares of each channel's free inputs, and of all.
+    slack
+        Of a twist beyond the model.
+    """
+
+    columns: Floats
+    data: Floats
+    chi2: float
+    freedom: float
+    components: Floats
+    parts: tuple[Solved, ...]
+    slack: Solved
+
+
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Statistics:
     """What W windows say, with C channels and I inputs.
@@ -201,6 +229,8 @@ class Statistics:
     shared_gains, shared_ranks
         (C + 1,) the same as gains with one value of each input in all windows, the parameters of the
         plain model free.
+    each
+        The windows one by one.
     """
 
     chi2: Floats
@@ -212,6 +242,7 @@ class Statistics:
     slack_sigma: Floats
     shared_gains: Floats
     shared_ranks: Floats
+    each: tuple[Linear, ...] = ()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -286,6 +317,7 @@ def statistics_of(
         slack_sigma=np.stack([one.slack.error for one in each]) * settings.sigma,
         shared_gains=np.array([part.gain for part in shared]),
         shared_ranks=np.array([part.rank for part in shared], dtype=float),
+        each=tuple(each),
     )
 
 
@@ -320,19 +352,6 @@ def left(found: Statistics) -> float | None:
     return float(np.sqrt(max(chi2, 0.0) / freedom))
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class _One:
-    """One window: columns (M, I) and data (M,), what the start can take projected out."""
-
-    columns: Floats
-    data: Floats
-    chi2: float
-    freedom: float
-    components: Floats
-    parts: tuple[Solved, ...]
-    slack: Solved
-
-
 def _data(prepared: Prepared, fits: Fits, jacobian: Floats, correlation: float) -> Floats:
     """(W, M, n + 4 + 7 + 3 + 1) white: inputs, start and offsets, ramps, residuals.
 
@@ -360,7 +379,7 @@ def _data(prepared: Prepared, fits: Fits, jacobian: Floats, correlation: float) 
     return np.concatenate([rows, prior], axis=1)
 
 
-def _one(inputs: Inputs, rows: Floats, kept: Flags) -> _One:
+def _one(inputs: Inputs, rows: Floats, kept: Flags) -> Linear:
     count = inputs.count
     own = basis(rows[:, count:-4])
     left = rows - own @ (own.T @ rows)
@@ -369,7 +388,7 @@ def _one(inputs: Inputs, rows: Floats, kept: Flags) -> _One:
     weight = (1.0 - np.sum(own**2, axis=1))[: len(kept)] * kept
     expected = weight.reshape(-1, 3).sum(axis=0)
     squares = (data[: len(kept)] ** 2).reshape(-1, 3).sum(axis=0)
-    return _One(
+    return Linear(
         columns=columns,
         data=data,
         chi2=float(data @ data),
@@ -380,7 +399,7 @@ def _one(inputs: Inputs, rows: Floats, kept: Flags) -> _One:
     )
 
 
-def _shared(inputs: Inputs, each: list[_One]) -> list[Solved]:
+def _shared(inputs: Inputs, each: list[Linear]) -> list[Solved]:
     """Effects of each channel, and of all, with one value in all windows."""
     whole = np.concatenate([one.columns for one in each])
     data = np.concatenate([one.data for one in each])

@@ -40,6 +40,7 @@ from meso_robust.types import Floats
 _REFITTED_FORMS = 2  # of an effect, those that promise most
 _EXTENDED_SETS = {True: 8, False: 12}  # that a further effect may be added to, if quick and if not
 _SETS = {True: 6, False: 15}  # with one effect more, that are refitted, those that promise most
+_OTHERS = 3  # further ones that are kept, those that gain most in a rough fit
 _LARGEST_SET = {True: 2, False: 3}  # effects of a set, if quick and if not
 # of the best gain, behind it, within which a rough fit is taken to its end
 _REFINED_SHARE = {True: 0.2, False: 0.5}
@@ -250,9 +251,20 @@ class Contest:
                     promised[names] = (whole, base, form.signature)
         known = {one.effects for one in field}
         first = sorted(promised.items(), key=lambda one: -one[1][0])
-        chosen = [one for names, one in first if names not in known][: _SETS[self.quick]]
-        asked = [((*self._chosen(base.refit), added), base.refit) for _, base, added in chosen]
-        return self._refined(self._all_tried("naming sets", asked))
+        unknown = [one for names, one in first if names not in known]
+        chosen, rest = unknown[: _SETS[self.quick]], unknown[_SETS[self.quick] :]
+        # beside the best one all are tried: what a linear estimate promises may be a tenth of what there is
+        asked, more = (
+            [((*self._chosen(base.refit), added), base.refit) for _, base, added in of]
+            for of in (chosen, [one for one in rest if one[1] is bases[0]])
+        )
+        fits = self._all_tried("naming sets", [*asked, *more])
+        promising = {tuple(sorted((*base.effects, one.trial.effect))) for _, base, one in chosen}
+        others = sorted(
+            (one for one in fits if one.effects not in promising), key=lambda one: -one.gain
+        )
+        kept = [one for one in fits if one.effects in promising]
+        return self._refined([*kept, *others[:_OTHERS]])
 
     def further(self, field: Sequence[Candidate], base: Candidate) -> list[Candidate]:
         """Sets with one effect more than one that leaves something.
@@ -267,29 +279,33 @@ class Contest:
         Returns
         -------
         list[Candidate]
-            With those effects that promise most, and those that a test without a simulation sees.
+            With those effects that gain most in a rough fit, and those that a test without a simulation sees.
         """
         offered = self._forms(base.refit, base.effects, [*self.signatures, *self.beside])
-        forms = sorted(offered, key=lambda form: -form.gain)
         best: dict[str, Form] = {}
-        for form in forms:
+        for form in sorted(offered, key=lambda form: -form.gain):
             best.setdefault(form.signature.trial.effect, form)
-        seen = {one.effect for one in self.findings}
-        least = _PROMISING_SHARE * forms[0].gain if forms and self.quick else -np.inf
-        chosen = [
-            form
-            for k, (effect, form) in enumerate(best.items())
-            if effect in seen or (k < _FURTHER and (form.gain >= least or not form.linear))
-        ]
+        names = {effect: tuple(sorted((*base.effects, effect))) for effect in best}
         known = {one.effects: one for one in field}
-        found, asked = [], []
-        for form in chosen:
-            names = tuple(sorted((*base.effects, form.signature.trial.effect)))
-            if names in known:
-                found.append(known[names])
-            else:
-                asked.append(((*self._chosen(base.refit), form.signature), base.refit))
-        return [*found, *self._refined(self._all_tried("naming further effects", asked))]
+        asked = [
+            ((*self._chosen(base.refit), form.signature), base.refit)
+            for effect, form in best.items()
+            if names[effect] not in known
+        ]
+        fits = {one.effects: one for one in self._all_tried("naming further effects", asked)}
+        gains = {of: one.refit.gain for of, one in known.items()}
+        gains |= {of: one.gain for of, one in fits.items()}
+        able = {effect: gains[of] - base.refit.gain for effect, of in names.items() if of in gains}
+        order = sorted(able, key=lambda effect: -able[effect])
+        least = _PROMISING_SHARE * able[order[0]] if order and self.quick else -np.inf
+        seen = {one.effect for one in self.findings}
+        chosen = [
+            names[effect]
+            for k, effect in enumerate(order)
+            if effect in seen or (k < _FURTHER and able[effect] >= least)
+        ]
+        found = [known[of] for of in chosen if of in known]
+        return [*found, *self._refined([fits[of] for of in chosen if of not in known])]
 
     def _all_tried(
         self, what: str, asked: list[tuple[tuple[Signature, ...], Refit]]

@@ -18,6 +18,7 @@ from meso_robust.diagnosis.hidden_inputs import (
     CHANNELS,
     TIP_OFFSET,
     ChannelTotal,
+    Inputs,
     Statistics,
     channel_totals,
     statistics_of,
@@ -35,8 +36,8 @@ from meso_robust.types import Flags, Floats, Ints
 
 FEWEST = 5
 """Frames with a whole pose that a window must have: a start and a drift take two of them."""
-_PIECE = 15  # frames of a piece of a contact, where there are enough
-_MOST = 5  # pieces of a contact
+PIECES = (15, 5)
+"""Frames of a piece of a contact, where there are enough, and most pieces."""
 _PAD = 1e-3  # s: what a shorter window is lengthened by, at rest
 _ROUNDS = 3  # of the fit of the starts
 _DAMPING = (1e-3, 1.0, 30.0)  # shares of the diagonal, tried at once
@@ -67,7 +68,9 @@ class Cut:
     phase: PhaseName
 
 
-def cuts_of(recordings: RecordingSet, prepared: Prepared) -> tuple[Cut, ...]:
+def cuts_of(
+    recordings: RecordingSet, prepared: Prepared, pieces: tuple[int, int] = PIECES
+) -> tuple[Cut, ...]:
     """Cut every recording by its phases, and contacts into pieces.
 
     Windows with fewer than `FEWEST` whole frames are left out.
@@ -76,11 +79,16 @@ def cuts_of(recordings: RecordingSet, prepared: Prepared) -> tuple[Cut, ...]:
     ----------
     recordings, prepared
         The same recordings as read and as prepared.
+    pieces
+        As `PIECES`.
     """
-    return tuple(cut for r in range(len(prepared.files)) for cut in _cut(recordings, prepared, r))
+    count = len(prepared.files)
+    return tuple(cut for r in range(count) for cut in _cut(recordings, prepared, r, pieces))
 
 
-def _cut(recordings: RecordingSet, prepared: Prepared, r: int) -> list[Cut]:
+def _cut(
+    recordings: RecordingSet, prepared: Prepared, r: int, pieces: tuple[int, int]
+) -> list[Cut]:
     recording = unwrapped(recordings.recordings[r])
     instants = prepared.instants[r, : frames_of(prepared)[r]]
     gap = gaps(recordings.part.outline, recording.poses, recording.probes, recordings.tip_radius)
@@ -91,7 +99,7 @@ def _cut(recordings: RecordingSet, prepared: Prepared, r: int) -> list[Cut]:
     for phase in phases(recordings, recording):
         end = np.inf if phase.end == recording.times[-1] else phase.end
         inside = np.flatnonzero((instants >= phase.start) & (instants < end))
-        for piece in _pieces(inside, two) if phase.name == "contact" else [inside]:
+        for piece in _pieces(inside, two, pieces) if phase.name == "contact" else [inside]:
             name: PhaseName = "approach"
             if phase.name == "contact":
                 name = "two_point" if two[piece[0]] else "one_point"
@@ -101,14 +109,15 @@ def _cut(recordings: RecordingSet, prepared: Prepared, r: int) -> list[Cut]:
     return found
 
 
-def _pieces(inside: Ints, two: Flags) -> list[Ints]:
+def _pieces(inside: Ints, two: Flags, pieces: tuple[int, int]) -> list[Ints]:
     """Frames of a contact cut where a second tip comes or goes, and into equal pieces."""
     changes = 1 + np.flatnonzero(np.diff(two[inside]))
     parts = [part for part in np.split(inside, changes) if len(part)]
+    frames, most = pieces
     return [
         piece
         for part in parts
-        for piece in np.array_split(part, int(np.clip(len(part) // _PIECE, 1, _MOST)))
+        for piece in np.array_split(part, int(np.clip(len(part) // frames, 1, most)))
     ]
 
 
@@ -225,19 +234,25 @@ class Windows:
 
     Attributes
     ----------
+    inputs
+        The model with hidden inputs.
     cuts
         The W windows.
     prepared
         The windows as recordings.
     poses
         (W, 3) predicted in the middle of each window, m and rad.
+    offsets
+        (W, 4) of the tips at the beginning and the end of each window, x and y, as fitted, m.
     found
         What the recordings say.
     """
 
+    inputs: Inputs
     cuts: tuple[Cut, ...]
     prepared: Prepared
     poses: Floats
+    offsets: Floats
     found: Statistics
 
     def __len__(self) -> int:
@@ -276,6 +291,8 @@ def windowed(
     correlation: float = 0.0,
     *,
     prepared: Prepared | None = None,
+    pieces: tuple[int, int] = PIECES,
+    apart: float = 0.0,
 ) -> Windows:
     """Look at every window of a recording set.
 
@@ -284,13 +301,17 @@ def windowed(
     recordings
         As read.
     model, values
-        The plain model and its fitted parameters (n,), SI.
+        The plain model, or one with effects, and its fitted parameters (n,), SI.
     sigma
         (3,) standard deviations of x and y (m) and θ (rad).
     correlation
         φ of the noise of neighbouring frames.
     prepared
         The recordings as prepared for the model; prepared here by default.
+    pieces
+        As `PIECES`.
+    apart
+        m: by about how much tips may be off in a window where they are not known to be, fitted with its start.
 
     Raises
     ------
@@ -300,7 +321,7 @@ def windowed(
         If no recording has a window with enough frames.
     """
     whole = prepare(recordings, step=model.step) if prepared is None else prepared
-    cuts = cuts_of(recordings, whole)
+    cuts = cuts_of(recordings, whole, pieces)
     if not cuts:
         raise ValueError(
             "recordings: no window with enough frames; record longer or with all poses"
@@ -312,15 +333,18 @@ def windowed(
     extended = np.append(values, np.zeros(len(inputs.model.parameters) - inputs.base))[None]
     problem = Problem(sliced(whole, cuts), inputs.model, settings)
     # commanded tips are where they are said to be; only derivatives ask what if not
-    fits = _settled(replace(problem, settings=replace(settings, offset=whole.tip_offset)), extended)
+    known = whole.tip_offset or apart
+    fits = _settled(replace(problem, settings=replace(settings, offset=known)), extended)
     ran = fits.outcomes[0] == Outcome.COMPLETED
     jacobian = problem.jacobian(fits, inputs.spans, inputs.model.fitted[None])[0]
     jacobian[~ran] = 0.0
     found = statistics_of(inputs, problem.prepared, fits, jacobian, settings, correlation)
     return Windows(
+        inputs=inputs,
         cuts=cuts,
         prepared=problem.prepared,
         poses=_middle(problem.prepared, fits, settings.sigma),
+        offsets=fits.offsets[0],
         found=found,
     )
 
@@ -344,7 +368,7 @@ def _settled(problem: Problem, values: Floats) -> Fits:
     for _ in range(_ROUNDS):
         slopes = problem.jacobian(fits, np.ones((1, n)), none)[0]
         # commanded tips are where they are said to be
-        known = 7 if problem.prepared.tip_offset else 3
+        known = 7 if problem.settings.offset else 3
         fits = _lower(problem, fits, slopes[..., n : n + known])
     return fits
 

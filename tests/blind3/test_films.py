@@ -11,9 +11,10 @@ import numpy as np
 import pytest
 
 import meso_robust
-from reports.blind3 import film as renderer, filmed, filming
+from reports.blind3 import film as renderer, filming
 from reports.blind3.cases import HERE, listed
 from reports.blind3.film import PIXEL_UM, drawn_look, film
+from reports.blind3.filmed import FILMS, SHORT, Trial
 from reports.blind3.generate import (
     LENGTH,
     RADIUS,
@@ -110,25 +111,27 @@ def test_a_world_is_made_again_from_its_label_and_no_other() -> None:
 
 
 def test_the_films_are_of_other_cases() -> None:
-    assert not {case.seed for case in filmed.cases()} & {case.seed for case in listed()}
-    kinds = [case.kind for case in filmed.cases()]
+    seeds = [{case.seed for case in of} for of in (listed(), FILMS.cases, SHORT.cases)]
+    assert len(set.union(*seeds)) == sum(len(of) for of in seeds)
+    kinds = [case.kind for case in FILMS.cases]
     assert [kinds.count(kind) for kind in ("single", "null", "pair", "outside")] == [60, 24, 18, 18]
+    kinds = [case.kind for case in SHORT.cases]
+    assert [kinds.count(kind) for kind in ("single", "null", "pair", "outside")] == [0, 0, 18, 18]
 
 
-def test_answers_are_of_promised_sets_only(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(filmed, "OUT", tmp_path)
-    monkeypatch.setattr(filmed, "SETS", tmp_path / "sets")
-    monkeypatch.setattr(filmed, "COMMITMENT", tmp_path / "commitment.json")
+def test_answers_are_of_promised_sets_only(tmp_path: Path) -> None:
+    trial = replace(FILMS, out=tmp_path)
     (tmp_path / "sets" / "000").mkdir(parents=True)
     (tmp_path / "sets" / "000" / "set.toml").write_text("another", encoding="utf-8")
     promise = {"sets": {"000": {"sha256": "0" * 64}}}
     (tmp_path / "commitment.json").write_text(json.dumps(promise), encoding="utf-8")
     with pytest.raises(ValueError, match="case 0: a file differs"):
-        filmed.run(filmed.cases()[:1], "quick", 1)
-    assert filmed.answers("quick") == []
+        trial.run(trial.cases[:1], "quick", 1)
+    assert trial.answers("quick") == []
 
 
-def test_the_commitment_is_of_this_generator() -> None:
-    promised = json.loads(filmed.COMMITMENT.read_text(encoding="utf-8"))
-    assert promised["generator_sha256"] == filmed.generator_hash()
-    assert len(promised["sets"]) == filmed.COUNT
+@pytest.mark.parametrize("trial", [FILMS, SHORT])
+def test_the_commitment_is_of_this_generator(trial: Trial) -> None:
+    promised = json.loads(trial.commitment.read_text(encoding="utf-8"))
+    assert promised["generator_sha256"] == trial.generator_hash()
+    assert set(promised["sets"]) == {f"{case.id:03d}" for case in trial.cases}

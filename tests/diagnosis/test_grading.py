@@ -30,6 +30,7 @@ from meso_robust.diagnosis.grading import (
     _only_law,
     _pools,
     _slight,
+    _stage_left,
     _verdict,
     _with_more,
     graded,
@@ -38,8 +39,9 @@ from meso_robust.diagnosis.grading import (
 from meso_robust.diagnosis.refit import Refit
 from meso_robust.diagnosis.rejection import Ground, Rejection
 from meso_robust.diagnosis.trials import Trial
+from meso_robust.recordings import RecordingSet
 from meso_robust.recordings.sway import Sway
-from meso_robust.simulator.catalogue import CATALOGUE
+from meso_robust.simulator.catalogue import CATALOGUE, stage_of
 from tests.identification.sets import UM
 
 
@@ -76,6 +78,14 @@ def test_a_verdict_is_by_its_share(
 ) -> None:
     explained = Explained(share=share, low=low, high=1.0, folds=6)
     assert _verdict(matters, explained, ()) == verdict
+
+
+@pytest.mark.parametrize(("share", "verdict"), [(0.51, "ambiguous"), (0.49, "unknown")])
+def test_sets_that_alike_leave_most_unexplained_are_no_answers(
+    share: float, verdict: Verdict
+) -> None:
+    explained = Explained(share=share, low=0.3, high=0.9, folds=6)
+    assert _verdict(True, explained, (stated("b", gain=1.0),)) == verdict
 
 
 def test_what_has_no_sure_size_has_no_name(late: Diagnosis) -> None:
@@ -197,6 +207,50 @@ def test_what_windows_leave_of_a_sway_is_no_floor(late: Diagnosis) -> None:
     still = replace(bench, baseline=replace(bench.baseline, noise=small))
     kept = again(replace(late, grade=replace(late.grade, bench=still)), **excused)
     assert kept.floor == pytest.approx(0.9 * mean, rel=0.1)
+
+
+def test_what_a_set_leaves_may_be_at_the_stage_of_its_own_effects(
+    late: Diagnosis, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A law of another form leaves something where it is; and where no input explains more, the largest effect is."""
+    bench, plain, where = late.grade.bench, late.grade.plain, late.located
+    assert where is not None
+    names, shares = ("camera_latency", "part_yaw"), {"camera_latency": 0.6, "part_yaw": 0.1}
+    predicted = {(): plain, names: replace(plain, squares=0.5 * plain.squares)}
+    judge = _Judge(bench, predicted, bench.seen.sum(axis=(1, 2)).astype(float))
+
+    looked = []
+
+    def told(*own: float, matters: float = 0.0, of: tuple[str, ...] = names) -> str | None:
+        def stages(some: RecordingSet, *_: object) -> dict[str, tuple[float, ...]]:
+            looked.append([one.file for one in some.recordings])
+            return {"support": (50.0, 20.0), "geometry": (20.0, 48.0), "observation": own}
+
+        monkeypatch.setattr("meso_robust.diagnosis.grading.stages", stages)
+        return _stage_left(judge, late.recordings, of, shares, where, matters)
+
+    assert told(90.0, 9.0) == "observation"
+    # in windows of either length
+    assert told(9.0, 44.0) == "support"
+    assert told(9.0, 49.0, of=()) == "support"
+    assert told(49.0, 30.0, of=()) == "observation"
+    # of those that explain as much, the set's own
+    assert told(9.0, 46.0) == "observation"
+    assert (
+        told(50.0, 9.0, matters=1.0) == "observation"
+    )  # nothing is left that matters: the latency's
+    shares["part_yaw"] = 0.7
+    assert told(30.0, 9.0, matters=1.0) == stage_of("part_yaw").name != "observation"
+    assert told(90.0, 9.0, matters=1.0, of=()) == where.channels[0].channel
+    monkeypatch.setattr(
+        "meso_robust.diagnosis.grading.stages", lambda *_: {"support": (4.9,), "contact": (-3.0,)}
+    )
+    left_little = _stage_left(judge, late.recordings, names, shares, where, 0.0)
+    assert left_little == stage_of("part_yaw").name  # what few nats tell is chance
+    monkeypatch.setattr("meso_robust.diagnosis.grading._LOOKED", 2)
+    assert told(90.0, 9.0) == "observation"
+    left = dict(zip(bench.prepared.files, judge.sums(names) - judge.floor, strict=True))
+    assert set(looked[-1]) == set(sorted(left, key=lambda file: left[file])[-2:])
 
 
 def test_of_one_recording_nothing_is_named(late: Diagnosis) -> None:

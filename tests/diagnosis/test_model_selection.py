@@ -548,7 +548,8 @@ def test_the_sets_that_promise_most_as_a_whole_are_refitted(
 ) -> None:
     """Neither of two strong effects need be the best by itself: a scale of the image is, here, and is neither."""
     added = {
-        "camera_scale": {"part_geometry": 50.0, "tip_radius": 40.0, "backlash": 30.0},
+        "camera_scale": {"part_geometry": 50.0, "tip_radius": 40.0, "backlash": 30.0}
+        | dict.fromkeys(("body_force", "part_yaw", "film_flow", "shear_thinning"), -20.0),
         "camera_drift": {"camera_scale": 10.0, "part_geometry": 20.0},
         "probe_compliance": {"drag_gradient": 300.0, "camera_scale": 290.0, "tip_radius": 1.0},
     }
@@ -565,8 +566,10 @@ def test_the_sets_that_promise_most_as_a_whole_are_refitted(
         return [form(name, gain) for name, gain in own if name not in without]
 
     def fitted(_: Contest, chosen: tuple[Signature, ...], __: object) -> list[Refit]:
-        tried.append(tuple(one.trial.effect for one in chosen))
-        return []
+        names = tuple(one.trial.effect for one in chosen)
+        tried.append(names)
+        made = SimpleNamespace(effects=tuple(sorted(names)), gain=950.0 - 5.0 * len(names[1]))
+        return [cast(Refit, made)]
 
     def known(_: Contest, base: Refit) -> tuple[Signature, ...]:
         return (form(base.trials[0].effect, 0.0).signature,)
@@ -574,10 +577,11 @@ def test_the_sets_that_promise_most_as_a_whole_are_refitted(
     monkeypatch.setattr(Contest, "_forms", forms)
     monkeypatch.setattr(Contest, "_tried", fitted)
     monkeypatch.setattr(Contest, "_chosen", known)
+    monkeypatch.setattr(Contest, "_refined", lambda _, fits: [one.effects for one in fits])
     nothing = cast(Any, None)
     contest = Contest(nothing, [], (), np.zeros(0), quick, lambda *_: None)
     field = [candidate(name, score=gain) for name, gain in alone.items()]
-    contest._extended(field)
+    kept = contest._extended(field)
     assert tried[:2] == [
         ("probe_compliance", "drag_gradient"),  # 1150
         ("probe_compliance", "camera_scale"),  # 1140
@@ -589,14 +593,31 @@ def test_the_sets_that_promise_most_as_a_whole_are_refitted(
         ("camera_scale", "backlash"),
     ]
     assert len({frozenset(one) for one in tried}) == len(tried)
-    assert len(tried) == (6 if quick else 8)
+    if not quick:
+        assert len(tried) == len(kept) == 12
+        return
+    # beside the best one all others are tried, and those kept that gain most: a linear estimate promised less
+    assert {one[1] for one in tried[6:]} == {
+        "body_force",
+        "part_yaw",
+        "film_flow",
+        "shear_thinning",
+    }
+    assert all(one[0] == "camera_scale" for one in tried[6:])
+    assert [set(one) - {"camera_scale"} for one in cast(Any, kept[6:])] == [
+        {"part_yaw"},
+        {"film_flow"},
+        {"body_force"},
+    ]
 
 
 @pytest.mark.usefixtures("one_by_one")
-def test_beside_a_set_those_that_promise_most_and_those_seen_without_a_simulation_are_tried(
+def test_beside_a_set_those_that_gain_most_and_those_seen_without_a_simulation_are_offered(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
+    """Whatever a linear estimate promises of them: "effect8" gains four times as much as that."""
     promised = {f"effect{k}": 100.0 - k for k in range(9)} | {"part_yaw": 1.0, "backlash": 0.5}
+    gains = promised | {"effect8": 400.0, "effect0": 190.0, "effect1": 210.0, "effect2": 220.0}
 
     def form(effect: str) -> Form:
         signature = SimpleNamespace(trial=Trial(effect=effect, sizes={"x": 1.0}))
@@ -609,13 +630,14 @@ def test_beside_a_set_those_that_promise_most_and_those_seen_without_a_simulatio
     tried: list[str] = []
 
     def fitted(_: Contest, chosen: tuple[Signature, ...], start: Refit) -> list[Refit]:
-        tried.append(chosen[-1].trial.effect)
-        return [start]
+        tried.append(effect := chosen[-1].trial.effect)
+        names = tuple(sorted(("camera_latency", effect)))
+        return [cast(Refit, SimpleNamespace(effects=names, gain=start.gain + gains[effect]))]
 
     monkeypatch.setattr(Contest, "_forms", forms)
     monkeypatch.setattr(Contest, "_tried", fitted)
     monkeypatch.setattr(Contest, "_chosen", lambda *_: ())
-    monkeypatch.setattr(Contest, "_refined", lambda _, fits: [f"fitted {len(fits)}"])
+    monkeypatch.setattr(Contest, "_refined", lambda _, fits: [one.effects[1] for one in fits])
     seen = cast(Any, SimpleNamespace(effect="part_yaw"))
     nothing = cast(Any, None)
     contest = Contest(
@@ -629,7 +651,9 @@ def test_beside_a_set_those_that_promise_most_and_those_seen_without_a_simulatio
         beside=cast(Any, ("beside",)),
     )
     base = candidate("camera_latency")
-    known = SimpleNamespace(effects=("camera_latency", "effect1"))
+    gain = SimpleNamespace(gain=base.refit.gain + gains["effect1"])
+    known = SimpleNamespace(effects=("camera_latency", "effect1"), refit=gain)
     found = contest.further(cast(Any, [base, known]), base)
-    assert tried == ["effect0", "effect2", "effect3", "effect4", "effect5", "part_yaw"]
-    assert found == [known, "fitted 6"]
+    assert tried == [effect for effect in promised if effect != "effect1"]
+    # half of what the best one gains, and no less, or seen
+    assert found == [known, "effect8", "effect2", "part_yaw"]
