@@ -105,7 +105,7 @@ def simulate(
     if len(push.poses):
         inputs = inputs_of(push, steps, unique)
         _in_pieces(inputs, outputs, len(push.poses), workers or threads())
-    return _result(push, outputs, int(steps.sum()))
+    return _result(push, outputs, int(steps.sum(axis=1).max(initial=0)))
 
 
 def _result(push: Push, outputs: Outputs, steps: int) -> PushResult:

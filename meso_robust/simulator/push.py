@@ -12,6 +12,7 @@ from meso_robust.simulator.checks import (
     START_DEPTH,
     check_arrays,
     check_effects,
+    check_legs,
     check_numbers,
     check_radii,
     check_start,
@@ -28,7 +29,7 @@ from meso_robust.simulator.outline import check_parts, refuse, thickness
 from meso_robust.simulator.stage import REFERENCE_SPEED, SLOTS
 from meso_robust.simulator.support_models import Film, Support
 from meso_robust.simulator.tips import Point, Tip
-from meso_robust.types import Floats
+from meso_robust.types import Floats, Ints
 
 _ROUNDING = 1e-9  # of a step, so that a travel of 10 steps is not cut into 11
 _RATES = tuple(
@@ -93,6 +94,8 @@ class Push:
         Shapes of the P tips; without any, points.
     radii
         (1|N, P) radii of points and round tips in m, where they are not those of the shapes.
+    legs
+        (1|N,) legs that a run goes, from the first waypoint; then it is at its end. All, if none are given.
     fixture
         Solids at rest.
     effects
@@ -125,6 +128,7 @@ class Push:
     step: float
     shapes: tuple[Tip, ...] = ()
     radii: Floats = field(default_factory=lambda: np.zeros((0, 0)))
+    legs: Ints = field(default_factory=lambda: np.zeros(0, dtype=np.int64))
     fixture: Fixture = field(default_factory=Fixture)
     effects: Effects = field(default_factory=Effects)
     motion: MotionModel = field(default_factory=QuasiStatic)
@@ -152,6 +156,7 @@ class Push:
         check_parts(self.outlines)
         check_numbers(self.friction_of_legs, self.times, self.step, self.time_step)
         check_radii(self.radii, self.shapes)
+        check_legs(self.legs, len(self.poses), len(self.lengths))
         check_tables(self.support.tables(), self.effects, len(self.poses))
         check_effects(self.effects, self.vertices.shape[-2], self.motion)
         if self.frame not in ("middle", "start"):
@@ -266,17 +271,20 @@ class Push:
 
     @property
     def steps_of_legs(self) -> npt.NDArray[np.int64]:
-        """(T − 1,) steps between two waypoints, the same for every run."""
-        count = np.ceil(self.lengths / self.step - _ROUNDING)
+        """(1|N, T − 1) steps between two waypoints: by length as many for every run, by time as a run takes."""
+        count = np.ceil(self.lengths / self.step - _ROUNDING)[None]
         if self.effects.is_on(*_RATES) or not isinstance(self.motion, QuasiStatic):
-            duration = np.diff(self.times, axis=1).max(axis=0, initial=0.0)
+            duration = np.diff(self.times, axis=1)
             count = np.maximum(count, np.ceil(duration / self.time_step - _ROUNDING))
-        return np.maximum(count, 1.0).astype(np.int64)
+        count = np.maximum(count, 1.0)
+        if self.legs.size:
+            count = np.where(np.arange(count.shape[1]) < self.legs[:, None], count, 0.0)
+        return count.astype(np.int64)
 
     @property
     def steps(self) -> int:
-        """Number of steps of every run."""
-        return int(self.steps_of_legs.sum())
+        """Number of steps of the run that takes most."""
+        return int(self.steps_of_legs.sum(axis=1).max(initial=0))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -307,7 +315,7 @@ class PushResult:
     fixture_modes
         (N, R) int8, the same of the fixture's most loaded contact.
     steps
-        Number of steps of the move.
+        Number of steps of the run that takes most.
     """
 
     poses: Floats
