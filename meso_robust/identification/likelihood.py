@@ -33,6 +33,8 @@ _LADDER = (0.1, 1.0, 10.0)  # dampings that are tried, over the present one
 _LEAST = (0.0, 1e-2, 0.3)
 # of the expected fall, with which the boldest step of a chord is taken at once
 _ENOUGH = 0.8
+# falls below which a fit has converged, of χ² since derivatives were taken: with a chord these are as good as new
+_NEAR = 30.0
 _HARDEST = 1e7  # damping at which a fit is given up as converged
 
 
@@ -99,6 +101,7 @@ class _Descent:
         self.active = np.ones(count, dtype=bool)
         self.fresh = np.zeros(count, dtype=bool)
         self.stale = np.full(count, jacobian is None)
+        self.fallen = np.full(count, np.inf)
         columns = free.shape[1] + len(problem.settings.units)
         shape = (*present.residuals.shape[:2], 3 * present.residuals.shape[2], columns)
         self.jacobian = np.zeros(shape) if jacobian is None else np.broadcast_to(jacobian, shape)
@@ -111,7 +114,7 @@ class _Descent:
             self._step(np.flatnonzero(self.active))
             rounds += 1
         if settings.closing:
-            self._differentiate(np.flatnonzero(~self.fresh))
+            self._differentiate(np.flatnonzero(~(self.fresh | self._near)))
         arrow = self.problem.arrow(self.present, self.jacobian * self._kept(slice(None)))
         return Fitted(
             fits=self.present,
@@ -121,6 +124,12 @@ class _Descent:
             converged=~self.active,
             iterations=rounds,
         )
+
+    @property
+    def _near(self) -> Flags:
+        """(B,) whether derivatives do that were taken a little before the end."""
+        settings = self.problem.settings
+        return np.asarray(settings.chord & (self.fallen <= _NEAR * settings.flat))
 
     def _kept(self, which: Ints | slice) -> Floats:
         """(b, 1, 1, n + d) ones, zero for parameters that are held."""
@@ -139,7 +148,7 @@ class _Descent:
         found = self.problem.jacobian(own, self.spans[which], self.free[which])
         self.jacobian[which] = found
         self.spans[which] = self.problem.spans(self.problem.arrow(own, found))
-        self.fresh[which], self.stale[which] = True, False
+        self.fresh[which], self.stale[which], self.fallen[which] = True, False, 0.0
 
     def _step(self, which: Ints) -> None:
         """One iteration of some fits."""
@@ -158,7 +167,8 @@ class _Descent:
         poor = gain < _GOOD * hoped
         still = hoped < settings.flat
         flat = (gain < settings.flat) & (better | still)
-        known = fresh | (still & (not settings.closing))
+        self.fallen[which] += gain
+        known = fresh | (still & (self._near[which] | (not settings.closing)))
         ended = (flat & known) | (self.damping[which] > _HARDEST)
         self.active[which] = ~ended
         self.stale[which] = (poor | flat | (not settings.chord)) & ~ended & (better | ~fresh)
