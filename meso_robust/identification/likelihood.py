@@ -77,7 +77,6 @@ def fit(
         If a shape is wrong or a first vector is not valid.
     """
     values = np.atleast_2d(np.asarray(values, dtype=np.float64))
-    free = model.fitted & ~(np.zeros(values.shape, dtype=bool) if held is None else held)
     problem = Problem(prepared, model, settings)
     size = (len(values), len(prepared.files))
     present = problem.at(
@@ -85,7 +84,43 @@ def fit(
         np.broadcast_to(prepared.starts if starts is None else starts, (*size, 3)),
         np.broadcast_to(np.zeros(4) if offsets is None else offsets, (*size, 4)).copy(),
     )
-    return _Descent(problem, present, np.broadcast_to(free, values.shape), jacobian).run()
+    return _Descent(problem, present, _free(model, values, held), jacobian).run()
+
+
+def fit_part(
+    prepared: Prepared,
+    model: Model,
+    whole: Fitted,
+    rows: Ints,
+    settings: Settings,
+    *,
+    held: Flags | None = None,
+) -> Fitted:
+    """Fit some of the recordings, from fits to all of them and with their derivatives.
+
+    Parameters
+    ----------
+    prepared, model
+        r recordings, and the model of the fits.
+    whole
+        B fits to R recordings, with the same weights.
+    rows
+        (r,) which of them these are.
+    settings
+        Noise and method.
+    held
+        As in `fit`.
+    """
+    problem = Problem(prepared, model, settings)
+    present = problem.part(whole.fits, rows)
+    free = _free(model, present.values, held)
+    return _Descent(problem, present, free, whole.jacobian[:, rows]).run()
+
+
+def _free(model: Model, values: Floats, held: Flags | None) -> Flags:
+    """(B, n) what is fitted."""
+    free = model.fitted & ~(np.zeros(values.shape, dtype=bool) if held is None else held)
+    return np.broadcast_to(free, values.shape)
 
 
 class _Descent:

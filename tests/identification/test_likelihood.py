@@ -9,12 +9,13 @@ from scipy.stats import chi2
 from meso_robust.identification import problem
 from meso_robust.identification.forward import predicted
 from meso_robust.identification.identify import Identification, maximised
-from meso_robust.identification.likelihood import Settings, fit
+from meso_robust.identification.likelihood import Settings, fit, fit_part
 from meso_robust.identification.models import three_point, viscous
-from meso_robust.identification.prepared import Sigmas, prepare
-from meso_robust.identification.problem import Arrow, Problem
+from meso_robust.identification.prepared import Sigmas, prepare, some_of
+from meso_robust.identification.problem import Arrow, Fits, Problem
 from meso_robust.recordings import RecordingSet
 from meso_robust.simulator import ThreePoints
+from meso_robust.types import Flags, Floats
 from tests.identification.conftest import MU, RHO
 from tests.identification.sets import (
     FIRST_TABLE_POINTS,
@@ -102,6 +103,25 @@ def test_derivatives_of_elsewhere_that_lead_nowhere_are_taken_anew(film_set: Rec
     assert found.fits.chi2[0] < best.fits.chi2[0] + 2.0
 
 
+def test_a_fit_of_some_recordings_goes_on_where_that_of_all_ended(film_set: RecordingSet) -> None:
+    prepared, rows = prepare(film_set, step=MODEL.step), np.array([0, 2])
+    settings = NOISE.by_chord(8, 1.0)
+    whole = fit(prepared, MODEL, np.array([[0.9 * RHO, MU]]), settings)
+    some = some_of(prepared, rows)
+    found = fit_part(some, MODEL, whole, rows, settings)
+    again = fit(
+        some,
+        MODEL,
+        whole.fits.values,
+        settings,
+        starts=whole.fits.starts[:, rows],
+        offsets=whole.fits.offsets[:, rows],
+        jacobian=whole.jacobian[:, rows],
+    )
+    np.testing.assert_array_equal(found.fits.values, again.fits.values)
+    np.testing.assert_allclose(found.fits.chi2, again.fits.chi2, rtol=1e-12)
+
+
 def test_a_step_that_is_no_number_is_not_taken(film_set: RecordingSet) -> None:
     """Derivatives of a search far out may overflow; that must end a step, not the whole."""
     prepared = prepare(film_set, step=2 * MODEL.step, most_frames=60)
@@ -132,6 +152,28 @@ def test_a_fit_that_is_closed_has_the_derivatives_of_its_end(film_set: Recording
         return float(np.linalg.norm(found.jacobian - own) / np.linalg.norm(own))
 
     assert apart(closing=False) > 5.0 * apart(closing=True)
+
+
+def test_derivatives_of_a_little_before_the_end_are_those_of_a_chord_that_is_closed(
+    film_set: RecordingSet, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    prepared = prepare(film_set, step=MODEL.step)
+    taken: list[float] = []
+    jacobian = Problem.jacobian
+
+    def counted(self: Problem, fits: Fits, spans: Floats, free: Flags) -> Floats:
+        taken.append(float(fits.chi2[0]))
+        return jacobian(self, fits, spans, free)
+
+    monkeypatch.setattr(Problem, "jacobian", counted)
+    ended = fit(prepared, MODEL, np.array([[RHO, MU]]), NOISE.by_chord(8, 1.0)).fits
+    settings = replace(NOISE.by_chord(8, 1.0), closing=True)
+    for shift, count in ((5e-4, 1), (0.01, 2)):
+        taken.clear()
+        values = ended.values * (1.0 + shift)
+        found = fit(prepared, MODEL, values, settings, starts=ended.starts, offsets=ended.offsets)
+        assert len(taken) == count, taken
+        assert taken[-1] - found.fits.chi2[0] < 30.0
 
 
 def test_the_information_is_the_curvature_of_the_profile(film_fit: Identification) -> None:
