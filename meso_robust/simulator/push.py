@@ -112,6 +112,9 @@ class Push:
     lengths
         (T − 1,) longest displacement of any probe of any run between two waypoints in m; follows from
         these.
+    steps_of_legs
+        (1|N, T − 1) steps between two waypoints: by length as many for every run, by time as a run takes;
+        follows as well.
 
     Raises
     ------
@@ -135,6 +138,7 @@ class Push:
     time_step: float = 0.02
     frame: Literal["middle", "start"] = "middle"
     lengths: Floats = field(init=False)
+    steps_of_legs: Ints = field(init=False)
 
     def __post_init__(self) -> None:
         """Copy, freeze and check the fields."""
@@ -161,6 +165,7 @@ class Push:
         check_effects(self.effects, self.vertices.shape[-2], self.motion)
         if self.frame not in ("middle", "start"):
             refuse("frame", repr(self.frame), 'must be "middle" or "start"', "leave it out")
+        object.__setattr__(self, "steps_of_legs", self._steps())
         check_steps(
             step=self.step,
             longest=float(self.lengths.max(initial=0.0)),
@@ -269,9 +274,7 @@ class Push:
         """(1|N, 1|T − 1, P) μ between each two waypoints."""
         return self.friction if self.friction.ndim == 3 else self.friction[:, None]
 
-    @property
-    def steps_of_legs(self) -> npt.NDArray[np.int64]:
-        """(1|N, T − 1) steps between two waypoints: by length as many for every run, by time as a run takes."""
+    def _steps(self) -> Ints:
         count = np.ceil(self.lengths / self.step - _ROUNDING)[None]
         if self.effects.is_on(*_RATES) or not isinstance(self.motion, QuasiStatic):
             duration = np.diff(self.times, axis=1)
