@@ -41,8 +41,8 @@ class Settings:
     chord
         Whether old derivatives will do as long as χ² falls: cheap, where the first are good.
     closing
-        Whether a fit ends by derivatives taken where it ends, or with `chord` so near that χ² has hardly fallen
-        since, which it then has. Otherwise old ones that promise no fall will do, and it has those.
+        Whether a fit ends by derivatives taken where it ends, which it then has. Otherwise old ones that
+        promise no fall will do, and it has those.
     workers
         Threads; all cores by default.
     """

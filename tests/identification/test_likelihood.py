@@ -9,13 +9,12 @@ from scipy.stats import chi2
 from meso_robust.identification import problem
 from meso_robust.identification.forward import predicted
 from meso_robust.identification.identify import Identification, maximised
-from meso_robust.identification.likelihood import Settings, fit, fit_part
+from meso_robust.identification.likelihood import Settings, _best_step, fit, fit_part
 from meso_robust.identification.models import three_point, viscous
 from meso_robust.identification.prepared import Sigmas, prepare, some_of
-from meso_robust.identification.problem import Arrow, Fits, Problem
+from meso_robust.identification.problem import Arrow, Problem
 from meso_robust.recordings import RecordingSet
 from meso_robust.simulator import ThreePoints
-from meso_robust.types import Flags, Floats
 from tests.identification.conftest import MU, RHO
 from tests.identification.sets import (
     FIRST_TABLE_POINTS,
@@ -154,26 +153,39 @@ def test_a_fit_that_is_closed_has_the_derivatives_of_its_end(film_set: Recording
     assert apart(closing=False) > 5.0 * apart(closing=True)
 
 
-def test_derivatives_of_a_little_before_the_end_are_those_of_a_chord_that_is_closed(
-    film_set: RecordingSet, monkeypatch: pytest.MonkeyPatch
+@pytest.mark.parametrize(
+    ("way", "wary", "tried", "used", "failed"),
+    [(1, False, 1, 1e-4, False), (1, True, 1, 0.01, False), (-1, False, 3, 0, True), (-1, True, 2, 0, True)],
+)  # fmt: skip
+def test_the_first_step_of_a_chord_that_does_what_is_hoped_for_is_taken(
+    film_set: RecordingSet,
+    monkeypatch: pytest.MonkeyPatch,
+    way: int,
+    wary: bool,
+    tried: int,
+    used: float,
+    failed: bool,
 ) -> None:
-    prepared = prepare(film_set, step=MODEL.step)
-    taken: list[float] = []
-    jacobian = Problem.jacobian
+    """From the boldest on, or of a fit for which that led too far from the next one."""
+    prepared = prepare(film_set, step=2 * MODEL.step, most_frames=60)
+    near = np.array([[1.001 * RHO, MU]])
+    known = fit(prepared, MODEL, near, replace(NOISE, most=1))
+    whole = Problem(prepared, MODEL, NOISE.by_chord(1, 1e-9))
+    fits = whole.at(near, known.fits.starts, known.fits.offsets)
+    given: list[object] = []
 
-    def counted(self: Problem, fits: Fits, spans: Floats, free: Flags) -> Floats:
-        taken.append(float(fits.chi2[0]))
-        return jacobian(self, fits, spans, free)
+    def counted(*args: object, **more: object) -> object:
+        given.append(args)
+        return predicted(*args, **more)  # type: ignore[arg-type]
 
-    monkeypatch.setattr(Problem, "jacobian", counted)
-    ended = fit(prepared, MODEL, np.array([[RHO, MU]]), NOISE.by_chord(8, 1.0)).fits
-    settings = replace(NOISE.by_chord(8, 1.0), closing=True)
-    for shift, count in ((5e-4, 1), (0.01, 2)):
-        taken.clear()
-        values = ended.values * (1.0 + shift)
-        found = fit(prepared, MODEL, values, settings, starts=ended.starts, offsets=ended.offsets)
-        assert len(taken) == count, taken
-        assert taken[-1] - found.fits.chi2[0] < 30.0
+    monkeypatch.setattr(problem, "predicted", counted)
+    arrow, every = whole.arrow(fits, way * known.jacobian), np.ones((1, 2), dtype=bool)
+    found = _best_step(whole, fits, arrow, np.array([1e-3]), every, np.array([wary]))
+    assert len(given) == tried
+    assert bool(found[3][0]) == failed
+    if not failed:
+        assert found[1][0] == pytest.approx(used)
+        assert found[0].chi2[0] < fits.chi2[0]
 
 
 def test_the_information_is_the_curvature_of_the_profile(film_fit: Identification) -> None:
