@@ -108,6 +108,11 @@ def fit_part(
         Noise and method.
     held
         As in `fit`.
+
+    Returns
+    -------
+    Fitted
+        B fits, as of `fit`.
     """
     problem = Problem(prepared, model, settings)
     present = problem.part(whole.fits, rows)
