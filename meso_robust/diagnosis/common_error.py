@@ -19,7 +19,7 @@ from meso_robust.diagnosis.baseline import Baseline
 from meso_robust.diagnosis.refit import Refit
 from meso_robust.diagnosis.signatures import SEEN, signatures, start_of
 from meso_robust.diagnosis.tangent import CONFIDENCE, Interval, beyond_starts
-from meso_robust.diagnosis.trials import trials
+from meso_robust.diagnosis.trials import trials_of
 from meso_robust.simulator.catalogue import CATALOGUE
 from meso_robust.types import Floats
 
@@ -100,13 +100,12 @@ def _reach(baseline: Baseline, refit: Refit) -> Floats:
     """(n,) half widths, in coordinates, that the error alone makes."""
     n, stays = len(refit.model.parameters), baseline.noise.stays
     reach = np.zeros(n)
+    # of an effect that the model has one of its numbers takes it up
     asked = [
         trial
-        for beside in (False, True)
-        for trial in trials(baseline.prepared, beside=beside)
-        if stays[LOOKS_LIKE.get(trial.effect, 0)] > 0.0
-        and trial.effect
-        in LOOKS_LIKE.keys() - set(refit.effects)  # a number of the model takes it up
+        for effect, component in LOOKS_LIKE.items()
+        if stays[component] > 0.0 and effect not in refit.effects
+        for trial in trials_of(effect, baseline.prepared)
     ]
     if not asked:
         return reach

@@ -18,7 +18,13 @@ from scipy.stats import chi2, norm
 
 from meso_robust.diagnosis.baseline import Baseline
 from meso_robust.diagnosis.nulls import null_rows
-from meso_robust.diagnosis.signatures import Signature, Visibility, signatures, visibilities
+from meso_robust.diagnosis.signatures import (
+    Signature,
+    Visibility,
+    lefts,
+    signatures,
+    visibilities,
+)
 from meso_robust.diagnosis.store import Store
 from meso_robust.diagnosis.tangent import Tangent
 from meso_robust.diagnosis.trials import trials
@@ -212,8 +218,7 @@ def detector(
 ) -> Detector:
     """The tests about a fit whose tangent is ``at``."""
     names, blocks = [], []
-    for one in signatures:
-        left = one.left(at)
+    for one, left in zip(signatures, lefts(at, signatures), strict=True):
         whole = np.linalg.norm(one.columns)
         if not np.linalg.norm(left) > _SMALL * whole:
             continue

@@ -28,7 +28,7 @@ from meso_robust.diagnosis.runs import longer
 from meso_robust.diagnosis.tangent import CONFIDENCE, Interval
 from meso_robust.diagnosis.windows import tips_of
 from meso_robust.identification.forward import corrected, predicted
-from meso_robust.identification.likelihood import fit
+from meso_robust.identification.likelihood import fit, fit_part
 from meso_robust.identification.models.model import Model
 from meso_robust.identification.prepared import Prepared, prepare, some_of
 from meso_robust.recordings import RecordingSet
@@ -238,27 +238,24 @@ def rolled_out(bench: Bench, model: Model, values: Floats, plain: Floats | None 
     if also is not None and (bench.plain is not None or _at_end(model, values, len(also))):
         begun = np.vstack([values, [*also, *values[len(also) :]]])
     found = fit(whole, model, begun, replace(settings, closing=True))
-    best = [int(np.nanargmin(found.fits.chi2))]
-    every = found.fits.of(best)
-    values, starts = every.values[0], every.starts[0]
-    offsets = _likely(bench, every.offsets[0])
-    jacobian = found.jacobian[best]
-    slopes = jacobian[0, ..., len(values) : len(values) + 3] / _or_one(whole.weights)
-    told = _told(jacobian[0], len(values))
+    every = found.of(int(np.nanargmin(found.fits.chi2)))
+    values, starts = every.fits.values[0], every.fits.starts[0]
+    offsets = _likely(bench, every.fits.offsets[0])
+    jacobian = every.jacobian[0]
+    slopes = jacobian[..., len(values) : len(values) + 3] / _or_one(whole.weights)
+    told = _told(jacobian, len(values))
     own = np.arange(len(values)) < len(bench.baseline.model.parameters)
     left = [np.flatnonzero(bench.fold == k) for k in range(bench.count)]
 
     def of_fold(k: int) -> tuple[Floats, Floats, Ints]:
         rows, out, by = np.flatnonzero(bench.fold != k), left[k], values
         if len(rows):
-            by = fit(
+            by = fit_part(
                 some_of(whole, rows),
                 model,
-                values[None],
+                every,
+                rows,
                 settings,
-                starts=starts[rows],
-                offsets=every.offsets[0, rows],
-                jacobian=jacobian[:, rows],
                 held=own & (told[rows].sum(axis=0) < _UNTOLD * told.sum(axis=0)),
             ).fits.values[0]
         return by, *_from_rest(bench, model, by, out, starts[out], slopes[out], offsets[out])

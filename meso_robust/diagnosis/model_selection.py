@@ -31,7 +31,7 @@ from meso_robust.diagnosis.candidates import (
 from meso_robust.diagnosis.detect import Detection, Span, detector
 from meso_robust.diagnosis.refit import Refit, ahead, refined, refitted
 from meso_robust.diagnosis.rejection import Ground, Rejection
-from meso_robust.diagnosis.signatures import Signature, estimate
+from meso_robust.diagnosis.signatures import Signature, estimate, lefts
 from meso_robust.diagnosis.store import Store
 from meso_robust.identification.identify import Told
 from meso_robust.recordings.direct.finding import Finding
@@ -210,10 +210,12 @@ class Contest:
         rows = start.rows if start else self.baseline.rows
         evidence = at.evidence(rows)
         promised: dict[str, list[Form]] = {}
-        for one in self.signatures if of is None else of:
-            if one.trial.effect in without:
-                continue
-            left = one.left(at)
+        tried = [
+            one
+            for one in (self.signatures if of is None else of)
+            if one.trial.effect not in without
+        ]
+        for one, left in zip(tried, lefts(at, tried), strict=True):
             if not np.any(left):
                 continue
             sizes, fall = estimate(evidence, left, one.one_sided)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -18,6 +19,7 @@ from meso_robust.types import Floats
 _FLAT = 1e-6  # σ: a change this small is rounding
 SEEN = 5.0
 """σ by which an effect of relevant size must change the recordings to count as visible."""
+_AT_ONCE = 8  # signatures that are projected at once: no more than a cache holds
 _ALIKE = 0.99  # cosine beyond which two signatures are one
 # typical changes: a hundred times the drag of the film at the speed of the pushes; beyond it, a dry
 # support is as good as alone, and no motion tells how much
@@ -53,6 +55,22 @@ class Signature:
     def left(self, at: Tangent) -> Floats:
         """(k, R M) of the changes that a refit could not take."""
         return at.evidence(self.columns)
+
+
+def lefts(at: Tangent, signatures: Sequence[Signature]) -> Iterator[Floats]:
+    """(k, R M) of each signature in turn what a refit could not take: `Signature.left`, some at once.
+
+    Parameters
+    ----------
+    at
+        What the fit can take.
+    signatures
+        Any number.
+    """
+    for first in range(0, len(signatures), _AT_ONCE):
+        some = signatures[first : first + _AT_ONCE]
+        whole = at.evidence(np.concatenate([one.columns for one in some]))
+        yield from np.split(whole, np.cumsum([len(one.columns) for one in some])[:-1])
 
 
 def extended(model: Model, trials: tuple[Trial, ...], prepared: Prepared) -> Model:
@@ -226,7 +244,7 @@ class Visibility:
 
 def visibilities(at: Tangent, signatures: list[Signature]) -> tuple[Visibility, ...]:
     """Visibility of every effect in the recordings of a fit."""
-    left = {id(one): one.left(at) for one in signatures}
+    left = {id(one): of for one, of in zip(signatures, lefts(at, signatures), strict=True)}
     best: dict[str, Signature] = {}
     for one in signatures:
         name = one.trial.effect

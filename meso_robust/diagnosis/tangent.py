@@ -80,8 +80,11 @@ class Tangent:
 
     def cleaned(self, rows: Floats) -> Floats:
         """(…, R, M) of what is left of rows (…, R, M) after the starts have taken their part."""
-        taken = np.einsum("rmd,...rm->...rd", self.own, rows, optimize=True)
-        return np.asarray(rows - np.einsum("rmd,...rd->...rm", self.own, taken, optimize=True))
+        # recording by recording, as products of matrices
+        each = np.moveaxis(rows, -2, 0).reshape(len(self.own), -1, rows.shape[-1])
+        taken = (each @ self.own) @ np.swapaxes(self.own, 1, 2)
+        whole = np.moveaxis(taken.reshape(len(self.own), *rows.shape[:-2], -1), 0, -2)
+        return np.asarray(rows - whole)
 
     def evidence(self, rows: Floats) -> Floats:
         """(…, R M) of what neither starts nor parameters can take."""

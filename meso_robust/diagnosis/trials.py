@@ -169,16 +169,16 @@ def _rim(prepared: Prepared, away: float) -> Floats:
 
 def _least_gaps(prepared: Prepared, points: Floats) -> Floats:
     """(N,) least distance in m of points from all poses of the part that were seen."""
-    seen = prepared.seen[:, ::4].reshape(-1, 3)
     least = np.full(len(points), np.inf)
-    for x, y, theta in seen[np.all(np.isfinite(seen), axis=1)]:
-        cos, sin = np.cos(theta), np.sin(theta)
-        dx, dy = (points - [x, y]).T
-        own = np.stack([cos * dx + sin * dy, cos * dy - sin * dx], axis=1)
+    for seen in prepared.seen[:, ::4]:
+        x, y, theta = seen[np.all(np.isfinite(seen), axis=1)].T[..., None]
+        dx, dy = points[:, 0] - x, points[:, 1] - y
         near = np.hypot(dx, dy) < 1.5 * prepared.length
-        if np.any(near):
-            gap = distances(prepared.outline[None], own[near])[0]
-            least[near] = np.minimum(least[near], gap)
+        cos, sin = np.cos(theta), np.sin(theta)
+        own = np.stack([cos * dx + sin * dy, cos * dy - sin * dx], axis=-1)
+        gaps = np.full(near.shape, np.inf)
+        gaps[near] = distances(prepared.outline[None], own[near])[0]
+        least = np.minimum(least, gaps.min(axis=0, initial=np.inf))
     return least
 
 
@@ -333,13 +333,21 @@ NOT_SEARCHED = frozenset({"residual"})
 
 def trials(prepared: Prepared, *, beside: bool = False) -> list[Trial]:
     """Trials of all effects that are tried by themselves, or only beside others, scaled to the recordings."""
+    return [
+        trial
+        for name in CATALOGUE
+        if name not in NOT_SEARCHED and (name in BESIDE) == beside
+        for trial in trials_of(name, prepared)
+    ]
+
+
+def trials_of(effect: str, prepared: Prepared) -> list[Trial]:
+    """Trials of one effect, scaled to the recordings."""
     length = prepared.length / REFERENCE_LENGTH
     speed = typical_speed(prepared) / REFERENCE_SPEED
     return [
         law
-        for name in CATALOGUE
-        if name not in NOT_SEARCHED and (name in BESIDE) == beside
-        for one in tried(name).forms(name, prepared)
+        for one in tried(effect).forms(effect, prepared)
         for law in _laws(_scaled(one, length, speed))
     ]
 

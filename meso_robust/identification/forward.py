@@ -200,6 +200,7 @@ def _predicted(
         friction=physics.friction,
         support=physics.support,
         shapes=prepared.shapes,
+        legs=np.tile(prepared.legs, count),
         effects=physics.effects,
         step=prepared.step,
         time_step=prepared.time_step,

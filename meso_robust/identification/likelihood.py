@@ -31,7 +31,7 @@ _GOOD = 0.3  # share of the expected fall of χ² that shows that derivatives st
 _LADDER = (0.1, 1.0, 10.0)  # dampings that are tried, over the present one
 # the least of them with a chord, whose derivatives do for many steps: weaker ones make the same step as none
 _LEAST = (0.0, 1e-2, 0.3)
-# of the expected fall, with which the boldest step of a chord is taken at once
+# of the expected fall, with which a step of a chord is taken and no harder damping tried
 _ENOUGH = 0.8
 _HARDEST = 1e7  # damping at which a fit is given up as converged
 
@@ -75,7 +75,6 @@ def fit(
         If a shape is wrong or a first vector is not valid.
     """
     values = np.atleast_2d(np.asarray(values, dtype=np.float64))
-    free = model.fitted & ~(np.zeros(values.shape, dtype=bool) if held is None else held)
     problem = Problem(prepared, model, settings)
     size = (len(values), len(prepared.files))
     present = problem.at(
@@ -83,7 +82,48 @@ def fit(
         np.broadcast_to(prepared.starts if starts is None else starts, (*size, 3)),
         np.broadcast_to(np.zeros(4) if offsets is None else offsets, (*size, 4)).copy(),
     )
-    return _Descent(problem, present, np.broadcast_to(free, values.shape), jacobian).run()
+    return _Descent(problem, present, _free(model, values, held), jacobian).run()
+
+
+def fit_part(
+    prepared: Prepared,
+    model: Model,
+    whole: Fitted,
+    rows: Ints,
+    settings: Settings,
+    *,
+    held: Flags | None = None,
+) -> Fitted:
+    """Fit some of the recordings, from fits to all of them and with their derivatives.
+
+    Parameters
+    ----------
+    prepared, model
+        r recordings, and the model of the fits.
+    whole
+        B fits to R recordings, with the same weights.
+    rows
+        (r,) which of them these are.
+    settings
+        Noise and method.
+    held
+        As in `fit`.
+
+    Returns
+    -------
+    Fitted
+        B fits, as of `fit`.
+    """
+    problem = Problem(prepared, model, settings)
+    present = problem.part(whole.fits, rows)
+    free = _free(model, present.values, held)
+    return _Descent(problem, present, free, whole.jacobian[:, rows]).run()
+
+
+def _free(model: Model, values: Floats, held: Flags | None) -> Flags:
+    """(B, n) what is fitted."""
+    free = model.fitted & ~(np.zeros(values.shape, dtype=bool) if held is None else held)
+    return np.broadcast_to(free, values.shape)
 
 
 class _Descent:
@@ -99,6 +139,7 @@ class _Descent:
         self.active = np.ones(count, dtype=bool)
         self.fresh = np.zeros(count, dtype=bool)
         self.stale = np.full(count, jacobian is None)
+        self.wary = np.zeros(count, dtype=bool)
         columns = free.shape[1] + len(problem.settings.units)
         shape = (*present.residuals.shape[:2], 3 * present.residuals.shape[2], columns)
         self.jacobian = np.zeros(shape) if jacobian is None else np.broadcast_to(jacobian, shape)
@@ -140,13 +181,18 @@ class _Descent:
         self.jacobian[which] = found
         self.spans[which] = self.problem.spans(self.problem.arrow(own, found))
         self.fresh[which], self.stale[which] = True, False
+        self.wary[which] = False
 
     def _step(self, which: Ints) -> None:
         """One iteration of some fits."""
         problem, settings = self.problem, self.problem.settings
         own = self.present.of(which)
         arrow = problem.arrow(own, self.jacobian[which] * self._kept(which))
-        found, used, hoped = _best_step(problem, own, arrow, self.damping[which], self.free[which])
+        found, used, hoped, failed = _best_step(
+            problem, own, arrow, self.damping[which], self.free[which], self.wary[which]
+        )
+        # where the boldest step leads too far, so does the one after it
+        self.wary[which] = settings.chord & failed
         better = found.chi2 < own.chi2
         gain = np.where(better, own.chi2 - found.chi2, 0.0)
         fresh = self.fresh[which]
@@ -166,35 +212,41 @@ class _Descent:
 
 
 def _best_step(
-    problem: Problem, fits: Fits, arrow: Arrow, damping: Floats, free: Flags
-) -> tuple[Fits, Floats, Floats]:
-    """The best of the steps on the ladder of dampings, its damping, and the fall of χ² hoped for."""
+    problem: Problem, fits: Fits, arrow: Arrow, damping: Floats, free: Flags, wary: Flags
+) -> tuple[Fits, Floats, Floats, Flags]:
+    """The best of the steps on the ladder of dampings, its damping, and the fall of χ² hoped for.
+
+    With a chord the first step that does as is hoped for is taken, beginning with the boldest, or of ``wary``
+    fits with the next; and whether that first one did not.
+    """
     settings = problem.settings
     moving = problem.moving(fits, arrow.pull(), free)
     least = settings.chord * np.array(_LEAST)
     rungs = [np.maximum(damping * rung, end) for rung, end in zip(_LADDER, least, strict=True)]
     steps = [arrow.step(rung, moving) for rung in rungs]
     hopes = np.stack([arrow.fall(*step) for step in steps])
-    rung = np.zeros(len(fits), dtype=np.int64)
     farthest = np.array([parameter.farthest for parameter in problem.model.parameters])
 
     def tried(rungs: Ints, rows: Ints) -> Fits:
         shared, own = (np.stack(part)[rungs, rows] for part in zip(*steps, strict=True))
         return problem.tried(fits.of(rows), np.clip(shared, -farthest, farthest), own, free[rows])
 
-    found = tried(rung, np.arange(len(fits)))
-    told = fits.chi2 - found.chi2 >= _ENOUGH * hopes[0]
-    enough = settings.chord & (told | (hopes[0] < settings.flat))
-    poor = np.flatnonzero(~enough)
-    if poor.size:
-        rest = np.repeat(np.arange(1, len(_LADDER)), len(poor))
-        others = tried(rest, np.tile(poor, len(_LADDER) - 1))
-        costs = np.vstack([found.chi2[poor], others.chi2.reshape(-1, len(poor))])
-        rung[poor] = np.argmin(costs, axis=0)
-        better = np.flatnonzero(rung[poor])
-        _put(found, poor[better], others.of((rung[poor][better] - 1) * len(poor) + better))
-    own = rung, np.arange(len(fits))
-    return found, np.stack(rungs)[own], hopes[own]
+    every = np.arange(len(fits))
+    rung, best = wary.astype(np.int64), wary.astype(np.int64)
+    asked = every
+    found = last = tried(rung, every)
+    while True:
+        hope = hopes[rung[asked], asked]
+        told = fits.chi2[asked] - last.chi2 >= _ENOUGH * hope
+        enough = settings.chord & (told | (hope < settings.flat))
+        asked = asked[~enough & (rung[asked] < len(_LADDER) - 1)]
+        if not asked.size:
+            return found, np.stack(rungs)[best, every], hopes[best, every], rung > wary
+        rung[asked] += 1
+        last = tried(rung[asked], asked)
+        better = last.chi2 < found.chi2[asked]
+        best[asked[better]] = rung[asked[better]]
+        _put(found, asked[better], last.of(better))
 
 
 def _put(present: Fits, rows: Ints, found: Fits) -> None:

@@ -152,6 +152,13 @@ class Prepared:
         return min(shape.radius for shape in self.shapes)
 
     @property
+    def legs(self) -> Ints:
+        """(R,) legs of each recording, without those that lengthen it at rest."""
+        at_end = np.all(self.waypoints == self.waypoints[:, -1:], axis=(2, 3))
+        at_end &= self.times >= self.times[:, -1:] - (1.0 + EXACT) * _PAD
+        return np.asarray(np.maximum(np.argmax(at_end, axis=1), 1))
+
+    @property
     def counts(self) -> Ints:
         """(R, 3) number of seen x, y and θ."""
         return np.asarray(np.sum(np.isfinite(self.seen), axis=1))

@@ -254,18 +254,35 @@ class Problem:
         residuals = np.nan_to_num((self.prepared.seen - found.poses) / self.settings.sigma)
         if self.prepared.weights is not None:
             residuals = residuals * self.prepared.weights[..., None]
+        freed = starts.copy()
+        freed[..., :2] += found.shifts
+        return self._fits(values, freed, offsets, residuals, found.outcomes)
+
+    def part(self, fits: Fits, rows: Ints) -> Fits:
+        """Fits to recordings of which ``rows`` are those of this problem, as they stand for these alone."""
+        own = (
+            getattr(fits, name)[:, rows] for name in ("starts", "offsets", "residuals", "outcomes")
+        )
+        return self._fits(fits.values.copy(), *own)
+
+    def _fits(
+        self,
+        values: Floats,
+        starts: Floats,
+        offsets: Floats,
+        residuals: Floats,
+        outcomes: npt.NDArray[np.int8],
+    ) -> Fits:
         chi2 = np.sum(residuals**2, axis=(1, 2, 3))
         if self.settings.offset:
             chi2 = chi2 + np.sum((offsets / self.settings.offset) ** 2, axis=(1, 2))
-        freed = starts.copy()
-        freed[..., :2] += found.shifts
         return Fits(
             values=values,
-            starts=freed,
+            starts=starts,
             offsets=offsets,
             chi2=np.asarray(chi2),
             residuals=residuals,
-            outcomes=found.outcomes,
+            outcomes=outcomes,
         )
 
     def arrow(self, fits: Fits, jacobian: Floats) -> Arrow:

@@ -84,13 +84,12 @@ def freed(poses: Floats, tips: Floats, outlines: Floats, radii: Floats) -> tuple
         return radii[:, p] - distance, world
 
     for _ in range(1 if tips.shape[1] == 1 else _PASSES):
-        moved = False
+        depths = []
         for p in range(tips.shape[1]):
             depth, out = reach(p)
+            depths.append(depth)
             over = depth > 0.0
-            moved |= bool(np.any(over))
             shift[over] -= depth[over, None] * out[over]
-        if not moved:
-            break
-    left = np.max([reach(p)[0] for p in range(tips.shape[1])], axis=0)
-    return shift, left
+        if not np.any(np.array(depths) > 0.0):
+            return shift, np.max(depths, axis=0)
+    return shift, np.max([reach(p)[0] for p in range(tips.shape[1])], axis=0)

@@ -101,7 +101,7 @@ def case_of(i: int, inputs: Inputs) -> Case:
 def inputs_of(push: Push, steps: Ints, unique: bool) -> Inputs:
     """What the kernels read of a push that has runs.
 
-    ``steps`` are those of its legs; ``unique``: look for a second motion too.
+    ``steps`` (1|N, T − 1) are those of its legs; ``unique``: look for a second motion too.
     """
     table, tables = push.effects.table, push.support.tables()
     outline = outlines(push.vertices, table) if push.effects.values else push.outlines
@@ -205,7 +205,8 @@ def _radii(push: Push) -> Floats:
 
 
 def _legs(push: Push, steps: Ints) -> Floats:
-    legs = np.zeros((*push.times.shape, 2))
+    runs = max(len(push.times), len(steps))
+    legs = np.zeros((runs, push.times.shape[1], 2))
     legs[..., 0], legs[:, :-1, 1] = push.times, steps
     return legs
 

@@ -105,12 +105,12 @@ def simulate(
     if len(push.poses):
         inputs = inputs_of(push, steps, unique)
         _in_pieces(inputs, outputs, len(push.poses), workers or threads())
-    return _result(push, outputs, int(steps.sum()))
+    return _result(push, outputs, int(steps.sum(axis=1).max(initial=0)))
 
 
 def _result(push: Push, outputs: Outputs, steps: int) -> PushResult:
     table, record = push.effects.table, outputs.record
-    poses, path = outputs.poses, record[:, :, POSE : POSE + 3].copy()
+    poses, path = outputs.poses, record[:, :, POSE : POSE + 3]
     if push.effects.values:
         poses, path = (tracked_of_reference(these, table) for these in (poses, path))
     each = record[:, :, PROBES:].reshape(*record.shape[:2], len(push.shapes), PER_PROBE)
@@ -118,10 +118,10 @@ def _result(push: Push, outputs: Outputs, steps: int) -> PushResult:
         poses=poses,
         outcomes=outputs.outcomes,
         max_penetration=outputs.max_penetration,
-        times=record[:, :, TIME].copy(),
+        times=record[:, :, TIME],
         path=path,
-        tips=each[..., TIP : TIP + 2].copy(),
-        forces=each[..., FORCE : FORCE + 2].copy(),
+        tips=each[..., TIP : TIP + 2],
+        forces=each[..., FORCE : FORCE + 2],
         modes=each[..., PROBE_MODE].astype(np.int8),
         fixture_modes=record[:, :, FIXTURE_MODE].astype(np.int8),
         steps=steps,

@@ -16,7 +16,7 @@ from meso_robust.simulator.outline import refuse, thickness
 from meso_robust.simulator.support import FILM_SLOTS, LAYS, THINNING
 from meso_robust.simulator.tips import Flat, Tip
 from meso_robust.simulator.touch import EDGE
-from meso_robust.types import Floats
+from meso_robust.types import Floats, Ints
 
 if TYPE_CHECKING:
     from meso_robust.simulator.effects import Effects
@@ -143,6 +143,35 @@ def check_radii(radii: Floats, shapes: Sequence[Tip]) -> None:
         refuse("radii", value, "must not be negative", "give 0 for a point")
     if radii.size and any(isinstance(shape, Flat) for shape in shapes):
         refuse("radii", "a flat tip", "has no radius", "leave the radii out")
+
+
+def check_legs(legs: Ints, runs: int, most: int) -> None:
+    """Refuse numbers of legs that are not those of the runs, or more than there are.
+
+    Parameters
+    ----------
+    legs
+        (1|N,) or none.
+    runs, most
+        N, and the legs of the move.
+
+    Raises
+    ------
+    ValueError
+        Naming the argument.
+    """
+    if not legs.size:
+        return
+    if legs.shape not in ((1,), (runs,)) or legs.dtype.kind not in "iu":
+        refuse(
+            "legs",
+            f"{legs.dtype} of shape {legs.shape}",
+            f"must be {runs} whole numbers, or one",
+            "count them",
+        )
+    for run in np.flatnonzero((legs < 1) | (legs > most)):
+        rule = f"must be 1 to {most}, the legs of the move"
+        refuse("legs", f"run {run} has {legs[run]}", rule, "leave them out to go all")
 
 
 def check_tables(tables: Tables, effects: Effects, runs: int) -> None:

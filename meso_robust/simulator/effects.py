@@ -50,7 +50,7 @@ class Effects:
         ValueError
             As the class.
         """
-        made = cls()
+        made = object.__new__(cls)
         made._hold(values)
         return made
 

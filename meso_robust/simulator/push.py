@@ -12,6 +12,7 @@ from meso_robust.simulator.checks import (
     START_DEPTH,
     check_arrays,
     check_effects,
+    check_legs,
     check_numbers,
     check_radii,
     check_start,
@@ -28,7 +29,7 @@ from meso_robust.simulator.outline import check_parts, refuse, thickness
 from meso_robust.simulator.stage import REFERENCE_SPEED, SLOTS
 from meso_robust.simulator.support_models import Film, Support
 from meso_robust.simulator.tips import Point, Tip
-from meso_robust.types import Floats
+from meso_robust.types import Floats, Ints
 
 _ROUNDING = 1e-9  # of a step, so that a travel of 10 steps is not cut into 11
 _RATES = tuple(
@@ -93,6 +94,8 @@ class Push:
         Shapes of the P tips; without any, points.
     radii
         (1|N, P) radii of points and round tips in m, where they are not those of the shapes.
+    legs
+        (1|N,) legs that a run goes, from the first waypoint; then it is at its end. All, if none are given.
     fixture
         Solids at rest.
     effects
@@ -109,6 +112,9 @@ class Push:
     lengths
         (T − 1,) longest displacement of any probe of any run between two waypoints in m; follows from
         these.
+    steps_of_legs
+        (1|N, T − 1) steps between two waypoints: by length as many for every run, by time as a run takes;
+        follows as well.
 
     Raises
     ------
@@ -125,12 +131,14 @@ class Push:
     step: float
     shapes: tuple[Tip, ...] = ()
     radii: Floats = field(default_factory=lambda: np.zeros((0, 0)))
+    legs: Ints = field(default_factory=lambda: np.zeros(0, dtype=np.int64))
     fixture: Fixture = field(default_factory=Fixture)
     effects: Effects = field(default_factory=Effects)
     motion: MotionModel = field(default_factory=QuasiStatic)
     time_step: float = 0.02
     frame: Literal["middle", "start"] = "middle"
     lengths: Floats = field(init=False)
+    steps_of_legs: Ints = field(init=False)
 
     def __post_init__(self) -> None:
         """Copy, freeze and check the fields."""
@@ -152,10 +160,12 @@ class Push:
         check_parts(self.outlines)
         check_numbers(self.friction_of_legs, self.times, self.step, self.time_step)
         check_radii(self.radii, self.shapes)
+        check_legs(self.legs, len(self.poses), len(self.lengths))
         check_tables(self.support.tables(), self.effects, len(self.poses))
         check_effects(self.effects, self.vertices.shape[-2], self.motion)
         if self.frame not in ("middle", "start"):
             refuse("frame", repr(self.frame), 'must be "middle" or "start"', "leave it out")
+        object.__setattr__(self, "steps_of_legs", self._steps())
         check_steps(
             step=self.step,
             longest=float(self.lengths.max(initial=0.0)),
@@ -264,19 +274,20 @@ class Push:
         """(1|N, 1|T − 1, P) μ between each two waypoints."""
         return self.friction if self.friction.ndim == 3 else self.friction[:, None]
 
-    @property
-    def steps_of_legs(self) -> npt.NDArray[np.int64]:
-        """(T − 1,) steps between two waypoints, the same for every run."""
-        count = np.ceil(self.lengths / self.step - _ROUNDING)
+    def _steps(self) -> Ints:
+        count = np.ceil(self.lengths / self.step - _ROUNDING)[None]
         if self.effects.is_on(*_RATES) or not isinstance(self.motion, QuasiStatic):
-            duration = np.diff(self.times, axis=1).max(axis=0, initial=0.0)
+            duration = np.diff(self.times, axis=1)
             count = np.maximum(count, np.ceil(duration / self.time_step - _ROUNDING))
-        return np.maximum(count, 1.0).astype(np.int64)
+        count = np.maximum(count, 1.0)
+        if self.legs.size:
+            count = np.where(np.arange(count.shape[1]) < self.legs[:, None], count, 0.0)
+        return count.astype(np.int64)
 
     @property
     def steps(self) -> int:
-        """Number of steps of every run."""
-        return int(self.steps_of_legs.sum())
+        """Number of steps of the run that takes most."""
+        return int(self.steps_of_legs.sum(axis=1).max(initial=0))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -307,7 +318,7 @@ class PushResult:
     fixture_modes
         (N, R) int8, the same of the fixture's most loaded contact.
     steps
-        Number of steps of the move.
+        Number of steps of the run that takes most.
     """
 
     poses: Floats

@@ -11,7 +11,7 @@ import pytest
 from meso_robust.diagnosis import folds
 from meso_robust.diagnosis.diagnose import Diagnosis
 from meso_robust.diagnosis.folds import RollOut, _step, _told, bench_of, rolled_out
-from meso_robust.identification.likelihood import fit
+from meso_robust.identification.likelihood import fit_part
 from meso_robust.identification.models.model import Model
 from meso_robust.identification.problem import Fitted
 from meso_robust.recordings import RecordingSet
@@ -83,12 +83,11 @@ def _held(
     held: list[list[bool]] = []
 
     def fitted(*given: Any, **named: Any) -> Fitted:
-        if "jacobian" in named:
-            held.append(named["held"].tolist())
-        return fit(*given, **named)
+        held.append(named["held"].tolist())
+        return fit_part(*given, **named)
 
     monkeypatch.setattr(folds, "_told", lambda *_: told)
-    monkeypatch.setattr(folds, "fit", fitted)
+    monkeypatch.setattr(folds, "fit_part", fitted)
     rolled_out(at.grade.bench, model, values)
     return held
 

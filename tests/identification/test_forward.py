@@ -74,6 +74,16 @@ def test_recordings_of_unequal_length_do_not_disturb_each_other(film_set: Record
     assert np.isnan(both.seen[1, 80:]).all()
 
 
+def test_padding_at_rest_is_no_leg(film_set: RecordingSet) -> None:
+    prepared = prepare(film_set, step=MODEL.step)
+    alone = [
+        prepare(replace(film_set, recordings=(one,)), step=MODEL.step)
+        for one in film_set.recordings
+    ]
+    np.testing.assert_array_equal(prepared.legs, [len(one.times[0]) - 2 for one in alone])
+    assert np.ptp(prepared.legs) > 0
+
+
 def test_a_recording_with_two_probes_beside_one_with_one(film_set: RecordingSet) -> None:
     one = film_set.recordings[0]
     idle = Recording(

@@ -9,9 +9,9 @@ from scipy.stats import chi2
 from meso_robust.identification import problem
 from meso_robust.identification.forward import predicted
 from meso_robust.identification.identify import Identification, maximised
-from meso_robust.identification.likelihood import Settings, fit
+from meso_robust.identification.likelihood import Settings, _best_step, fit, fit_part
 from meso_robust.identification.models import three_point, viscous
-from meso_robust.identification.prepared import Sigmas, prepare
+from meso_robust.identification.prepared import Sigmas, prepare, some_of
 from meso_robust.identification.problem import Arrow, Problem
 from meso_robust.recordings import RecordingSet
 from meso_robust.simulator import ThreePoints
@@ -102,6 +102,25 @@ def test_derivatives_of_elsewhere_that_lead_nowhere_are_taken_anew(film_set: Rec
     assert found.fits.chi2[0] < best.fits.chi2[0] + 2.0
 
 
+def test_a_fit_of_some_recordings_goes_on_where_that_of_all_ended(film_set: RecordingSet) -> None:
+    prepared, rows = prepare(film_set, step=MODEL.step), np.array([0, 2])
+    settings = NOISE.by_chord(8, 1.0)
+    whole = fit(prepared, MODEL, np.array([[0.9 * RHO, MU]]), settings)
+    some = some_of(prepared, rows)
+    found = fit_part(some, MODEL, whole, rows, settings)
+    again = fit(
+        some,
+        MODEL,
+        whole.fits.values,
+        settings,
+        starts=whole.fits.starts[:, rows],
+        offsets=whole.fits.offsets[:, rows],
+        jacobian=whole.jacobian[:, rows],
+    )
+    np.testing.assert_array_equal(found.fits.values, again.fits.values)
+    np.testing.assert_allclose(found.fits.chi2, again.fits.chi2, rtol=1e-12)
+
+
 def test_a_step_that_is_no_number_is_not_taken(film_set: RecordingSet) -> None:
     """Derivatives of a search far out may overflow; that must end a step, not the whole."""
     prepared = prepare(film_set, step=2 * MODEL.step, most_frames=60)
@@ -132,6 +151,41 @@ def test_a_fit_that_is_closed_has_the_derivatives_of_its_end(film_set: Recording
         return float(np.linalg.norm(found.jacobian - own) / np.linalg.norm(own))
 
     assert apart(closing=False) > 5.0 * apart(closing=True)
+
+
+@pytest.mark.parametrize(
+    ("way", "wary", "tried", "used", "failed"),
+    [(1, False, 1, 1e-4, False), (1, True, 1, 0.01, False), (-1, False, 3, 0, True), (-1, True, 2, 0, True)],
+)  # fmt: skip
+def test_the_first_step_of_a_chord_that_does_what_is_hoped_for_is_taken(
+    film_set: RecordingSet,
+    monkeypatch: pytest.MonkeyPatch,
+    way: int,
+    wary: bool,
+    tried: int,
+    used: float,
+    failed: bool,
+) -> None:
+    """From the boldest on, or of a fit for which that led too far from the next one."""
+    prepared = prepare(film_set, step=2 * MODEL.step, most_frames=60)
+    near = np.array([[1.001 * RHO, MU]])
+    known = fit(prepared, MODEL, near, replace(NOISE, most=1))
+    whole = Problem(prepared, MODEL, NOISE.by_chord(1, 1e-9))
+    fits = whole.at(near, known.fits.starts, known.fits.offsets)
+    given: list[object] = []
+
+    def counted(*args: object, **more: object) -> object:
+        given.append(args)
+        return predicted(*args, **more)  # type: ignore[arg-type]
+
+    monkeypatch.setattr(problem, "predicted", counted)
+    arrow, every = whole.arrow(fits, way * known.jacobian), np.ones((1, 2), dtype=bool)
+    found = _best_step(whole, fits, arrow, np.array([1e-3]), every, np.array([wary]))
+    assert len(given) == tried
+    assert bool(found[3][0]) == failed
+    if not failed:
+        assert found[1][0] == pytest.approx(used)
+        assert found[0].chi2[0] < fits.chi2[0]
 
 
 def test_the_information_is_the_curvature_of_the_profile(film_fit: Identification) -> None:

@@ -8,7 +8,18 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 
-from meso_robust.simulator import Effects, Film, FirstOrder, Fixture, Flat, Point, Push, Round
+from meso_robust.simulator import (
+    Effects,
+    Film,
+    FirstOrder,
+    Fixture,
+    Flat,
+    Outcome,
+    Point,
+    Push,
+    Round,
+    simulate,
+)
 from meso_robust.simulator.fixture import slot
 from tests.simulator.problems import HALF_SHORT, RHO, UM, one_point, rectangle
 
@@ -63,8 +74,33 @@ def test_steps_are_those_of_the_longest_run_and_probe_in_each_leg() -> None:
     waypoints[0, 1, 0] += np.array([30, 40]) * UM  # 50 µm, and back
     waypoints[1, 2, 1] += np.array([0, 120.5]) * UM
     push = Push(**whole(waypoints=waypoints, friction=np.array([[0.1, 0.2]])))
-    np.testing.assert_array_equal(push.steps_of_legs, [50, 121])
+    np.testing.assert_array_equal(push.steps_of_legs, [[50, 121]])
     assert push.steps == 171
+
+
+def test_steps_in_time_are_those_of_each_run() -> None:
+    times = np.array([[0.0, 1.0, 3.0], [0.0, 4.0, 4.5]])
+    effects = Effects({"body_force": {"x_um_s": 1.0}})
+    rest = {"times": times, "effects": effects, "step": 100 * UM, "time_step": 0.5}
+    push = Push(**whole(**rest))
+    np.testing.assert_array_equal(push.steps_of_legs, [[2, 4], [8, 2]])
+    assert push.steps == 10
+    # a run is the same whatever it is run with
+    alone = replace(push, poses=push.poses[1:], times=times[1:])
+    np.testing.assert_array_equal(simulate(push).poses[1], simulate(alone).poses[0])
+
+
+def test_a_run_ends_after_its_legs() -> None:
+    way = {"waypoints": np.array([[[[500, 0]], [[400, 0]], [[350, 0]]]]) * UM}
+    push = Push(**whole(**way, legs=np.array([1, 2])))
+    np.testing.assert_array_equal(push.steps_of_legs, [[100, 0], [100, 50]])
+    found = simulate(push, instants=np.array([[0.5, 1.0, 2.0]]))
+    short = Push(**whole(waypoints=push.waypoints[:, :2], times=push.times[:, :2]))
+    np.testing.assert_array_equal(found.poses[0], simulate(short).poses[0])
+    np.testing.assert_array_equal(found.path[0, 1:], found.poses[[0, 0]])
+    np.testing.assert_array_equal(found.poses[1], simulate(Push(**whole(**way))).poses[1])
+    assert not np.array_equal(found.poses[0], found.poses[1])
+    np.testing.assert_array_equal(found.outcomes, Outcome.COMPLETED)
 
 
 def test_times_of_a_straight_push_are_those_of_its_fastest_probe() -> None:
@@ -110,6 +146,12 @@ BAD: list[tuple[dict[str, Any], str]] = [
     ({"travel": [[[0, 0]], [[0, np.inf]]]}, r"waypoints: inf at \(1, 1, 0, 1\); must be finite"),
     ({"friction": [0.1, -0.2]}, r"friction: run 1 has -0.2; must not be negative; give μ"),
     ({"film_ratio": [RHO, 0.0]}, r"film_ratio: .*0.*; .*must be positive"),
+    (
+        {"legs": np.array([1, 1, 1])},
+        r"legs: int64 of shape \(3,\); must be 2 whole numbers, or one",
+    ),
+    ({"legs": np.array([0.5])}, r"legs: float64 of shape \(1,\); must be 2 whole numbers, or one"),
+    ({"legs": np.array([1, 2])}, r"legs: run 1 has 2; must be 1 to 1, the legs of the move; leave"),
     ({"step": 0.0}, r"step: 0.0 m; must be positive and finite; try"),
     ({"step": np.nan}, r"step: nan m; must be positive"),
     ({"step": 1.0}, r"step: 1 m where vertices is 0.000837 m thick; must be at most .* give"),
