@@ -16,6 +16,7 @@ from typing import TypeAlias
 
 import numpy as np
 
+from meso_robust.copies import shared
 from meso_robust.diagnosis.document import Channel
 from meso_robust.diagnosis.hidden_inputs import TIP_OFFSET
 from meso_robust.diagnosis.noise import Noise
@@ -70,27 +71,38 @@ def stages(
     dict[Channel, tuple[float, ...]]
         By stage, for longer and for shorter windows; negative where its inputs are not worth their number.
     """
-    each = []
+    aside = (0.0,) if prepared.tip_offset else (0.0, _APART * prepared.length)
+    asked = [(pieces, apart) for pieces in _CUTS for apart in aside]
+
+    def costs(one: tuple[tuple[int, int], float]) -> tuple[float, dict[Channel, float]]:
+        pieces, apart = one
+        told = windowed(
+            recordings,
+            model,
+            values,
+            noise.sigma,
+            noise.correlation,
+            prepared=prepared,
+            pieces=pieces,
+            apart=apart,
+        )
+        inputs = _ABOUT_TIPS if apart else _INPUTS
+        plain = 0.5 * sum(float(of.data @ of.data) for of in told.found.each)
+        return plain, {channel: _cost(told, groups) for channel, groups in inputs.items()}
+
+    found = dict(zip(asked, shared(costs, asked), strict=True))
+    each: list[dict[Channel, float]] = []
     for pieces in _CUTS:
-        found: dict[Channel, float] = {}
-        for apart in (0.0,) if prepared.tip_offset else (0.0, _APART * prepared.length):
-            told = windowed(
-                recordings,
-                model,
-                values,
-                noise.sigma,
-                noise.correlation,
-                prepared=prepared,
-                pieces=pieces,
-                apart=apart,
-            )
-            if not apart:
-                plain = sum(float(one.data @ one.data) for one in told.found.each)
-            for channel, groups in (_ABOUT_TIPS if apart else _INPUTS).items():
-                worth = 0.5 * plain - _cost(told, groups)
-                found[channel] = max(found.get(channel, -np.inf), worth)
-        each.append(found)
-    return {channel: tuple(one[channel] for one in each) for channel in each[0]}
+        # windows about tips as fitted are held against those about tips as commanded, too
+        plain = found[pieces, 0.0][0]
+        told = [found[pieces, apart][1] for apart in aside]
+        each.append(
+            {
+                channel: plain - min(of[channel] for of in told if channel in of)
+                for channel in _INPUTS
+            }
+        )
+    return {channel: tuple(one[channel] for one in each) for channel in _INPUTS}
 
 
 def _cost(told: Windows, groups: Groups) -> float:

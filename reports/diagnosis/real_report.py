@@ -13,6 +13,7 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 from meso_robust.api.diagnose import diagnose
+from meso_robust.copies import allow
 from meso_robust.diagnosis.document import DiagnosisDocument
 from meso_robust.files import write_all
 from meso_robust.recordings import RecordingSet
@@ -89,6 +90,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
     parser.add_argument("--out", type=Path, required=True)
     parser.add_argument("--quick", action="store_true", help="the quick form")
     options = parser.parse_args(arguments)
+    allow()
     rows, sections = "", ""
     for name, recordings in sets(options.recordings):
         before = time.perf_counter()
