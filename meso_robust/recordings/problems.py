@@ -18,7 +18,7 @@ from meso_robust.recordings.checks.frozen import (
 from meso_robust.recordings.checks.jumps import breaks, outlying_frames, outlying_problem
 from meso_robust.recordings.checks.scales import turn_unit_problems, unit_problems
 from meso_robust.recordings.checks.sensors import force_problems, noise_problems
-from meso_robust.recordings.checks.slips import slip_problems
+from meso_robust.recordings.checks.slips import slip_of, slip_problems
 from meso_robust.recordings.checks.view import View, unseen
 from meso_robust.recordings.noise import estimated_sensor
 from meso_robust.recordings.problem import Problem
@@ -69,8 +69,11 @@ def problems(
             found += fitting_problems(view, sensor)
         views.append(view)
     if not any(problem.kind == "units" for problem in found):
+        slip = slip_of(views)
         found += (
-            turn_unit_problems(views) or slip_problems(views) or noise_problems(recordings, noise)
+            turn_unit_problems(views, slip)
+            or slip_problems(slip)
+            or noise_problems(recordings, noise)
         )
     found += noise_known_problems(cleared, sensor)
     found += copy_problems(cleared.recordings)

@@ -53,3 +53,14 @@ def test_a_turn_of_the_camera_comes_on_top() -> None:
 def test_an_axis_with_the_other_sign_is_the_cause_that_is_told(name: str) -> None:
     with pytest.raises(InputError, match="likely cause: y of the tips has the other sign"):
         usable_set(WRONGS["mirrored"].change(read(FOLDER, name, 1)))
+
+
+@pytest.mark.parametrize("wrong", ["longer", "drift"])
+def test_what_a_fit_can_find_is_no_wrong_unit(wrong: str) -> None:
+    """In rad these tips would be near by chance; the delay of the rig alone brings them nearer."""
+    name = "cmu_two_finger/bigrect_3pts_20_neg30_90"
+    left = usable_set(WRONGS[wrong].change(read(FOLDER, name)))
+    assert len(left.recordings.recordings) == 5
+    (frames,) = (one for one in left.remaining if one.kind == "frames")
+    assert frames.severity == "warning"
+    assert "the camera lags behind" in frames.rule

@@ -10,6 +10,7 @@ import numpy as np
 
 from meso_robust.recordings.checks.view import View
 from meso_robust.recordings.contact import gaps, scatter, size
+from meso_robust.recordings.direct.causes import Cause
 from meso_robust.recordings.document import SET_FILE
 from meso_robust.recordings.problem import Problem
 from meso_robust.types import Indices as Integers
@@ -86,11 +87,24 @@ def unit_problems(view: View) -> list[Problem]:
     ]
 
 
-def turn_unit_problems(views: Sequence[View]) -> list[Problem]:
+def turn_unit_problems(views: Sequence[View], slip: Cause | None) -> list[Problem]:
     """Say that θ is in rad if all recordings together fit far better so.
 
     A small turn taken for 57 times less leaves a tip near the outline, and each recording by itself
-    within what a bad outline or a late camera does; all at once nothing else brings so much nearer.
+    within what a bad outline or a late camera does; all at once nothing else brings so much nearer. Where a delay or a
+    shift does, which a fit can find, it is that.
+
+    Parameters
+    ----------
+    views
+        All recordings of a set, without poses that are no measurement.
+    slip
+        From `slips.slip_of`.
+
+    Returns
+    -------
+    list of Problem
+        One or none.
     """
     guess = _GUESSES[0]
     pairs = [
@@ -102,6 +116,9 @@ def turn_unit_problems(views: Sequence[View]) -> list[Problem]:
         return []
     now, then = np.mean(pairs, axis=0).tolist()
     if now < _TURNED or _CLEARLY * then > now:
+        return []
+    whole = size(views[0].recordings.part.outline)
+    if slip is not None and slip.fitted and slip.after <= then * whole:
         return []
     return [
         Problem(
