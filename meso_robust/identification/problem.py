@@ -273,7 +273,8 @@ class Problem:
         residuals: Floats,
         outcomes: npt.NDArray[np.int8],
     ) -> Fits:
-        chi2 = np.sum(residuals**2, axis=(1, 2, 3))
+        with np.errstate(over="ignore"):  # of a search far out; it is not taken
+            chi2 = np.sum(residuals**2, axis=(1, 2, 3))
         if self.settings.offset:
             chi2 = chi2 + np.sum((offsets / self.settings.offset) ** 2, axis=(1, 2))
         return Fits(
