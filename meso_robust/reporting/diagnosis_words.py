@@ -62,9 +62,13 @@ _IN_WORDS = (FORM, "turned")
 _UNITS = {"_um2": " µm²", "_um_s": " µm/s", "_um": " µm", "_deg": "°", "_ms": " ms", "_s": " s"}
 
 
+_STILL = "keep the camera, the stage and the table still, and record again"
+_MOSTLY = 0.5  # of what is left, from which on a sway is what is wrong
+
+
 def answer(document: DiagnosisDocument) -> str:
     """What a laboratory can act on in one sentence: what is wrong, how sure, what is left, what next."""
-    what = document.next_experiment.push.what
+    what = _STILL if _shakes(document) else document.next_experiment.push.what
     advice = f"; next: {what}" if what and document.verdict != "consistent" else ""
     return f"{_finding(document)}; {left_words(document)}{advice}"
 
@@ -77,9 +81,32 @@ def _finding(document: DiagnosisDocument) -> str:
         return f"{' or '.join(sets(document))}{explained_words(document)}"
     if document.verdict in ("named", "partial"):
         return f"{effects_words(document)}{explained_words(document)}"
+    unexplained = "no effect of the catalogue explains it"
+    if _shakes(document):
+        return f"{unexplained}; {_shaking(document)}"
     spans = document.mismatch.where
     where = span_words(spans[0]) if spans else "nowhere in particular"
-    return f"no effect of the catalogue explains it; largest in {where}"
+    return f"{unexplained}; largest in {where}"
+
+
+def _shakes(document: DiagnosisDocument) -> bool:
+    """Whether what is left is, for the most part, what a part at rest is seen to go to and fro."""
+    left, sway = document.remainder, document.noise.sway_um
+    return (
+        left is not None
+        and sway is not None
+        and left.stage == "observation"
+        and sway >= _MOSTLY * left.um
+    )
+
+
+def _shaking(document: DiagnosisDocument) -> str:
+    """``the image sways by 10 µm at 2.6 Hz, with a part at rest``."""
+    of = document.noise
+    return (
+        f"the image sways by {significant(of.sway_um or 0.0, 2)} µm at {significant(of.sway_hz or 0.0, 2)} Hz, "
+        "with a part at rest"
+    )
 
 
 def explained_words(document: DiagnosisDocument) -> str:

@@ -15,7 +15,7 @@ from matplotlib.colors import to_hex
 from matplotlib.figure import Figure
 from matplotlib.patches import PathPatch, Rectangle
 
-from meso_robust.diagnosis.document import Verdict
+from meso_robust.diagnosis.document import Channel, Verdict
 from meso_robust.diagnosis.evidence import Evidence
 from meso_robust.reporting import diagnosis_figures as figures
 from meso_robust.reporting.diagnosis import diagnosis_report
@@ -111,6 +111,31 @@ def test_the_answer_is_one_sentence_that_a_laboratory_can_act_on() -> None:
         "no effect of the catalogue explains it; largest in a<b>&$x$_0.csv at 1.70–4.20 s (one tip): "
         f"support, θ, 12.3 σ, grows with <speed>; {LEFT}; {next_one}"
     )
+
+
+@pytest.mark.parametrize(
+    ("stage", "sway", "shakes"),
+    [("observation", 0.5, True), ("observation", 0.2, False), ("actuation", 0.5, False)],
+)
+def test_an_image_that_shakes_is_what_is_wrong(
+    stage: Channel, sway: float, *, shakes: bool
+) -> None:
+    found = document("unknown")
+    assert found.remainder is not None
+    said = answer(
+        found.model_copy(
+            update={
+                "remainder": found.remainder.model_copy(update={"stage": stage}),
+                "noise": found.noise.model_copy(update={"sway_um": sway, "sway_hz": 2.6}),
+            }
+        )
+    )
+    shaken = (
+        "no effect of the catalogue explains it; the image sways by 0.5 µm at 2.6 Hz, with a part at rest; "
+        f"{LEFT}; next: keep the camera, the stage and the table still, and record again"
+    )
+    assert (said == shaken) is shakes
+    assert ("sways" in said) is shakes
 
 
 def test_the_first_version_says_what_it_knew() -> None:
