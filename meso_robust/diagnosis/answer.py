@@ -211,8 +211,7 @@ def _why(found: Diagnosis) -> str:
         adequate = grade.chosen.adequate and not grade.chosen.rejected
         return said + (", and leaves nothing that the detector sees" if adequate else reach)
     if found.verdict == "unknown":
-        alike = f", and so does {_or(grade.rivals)}" if grade.rivals else ""
-        return f"{said}{alike}: too little for a name{reach}"
+        return f"{said}: too little for a name{reach}"
     return f"{said}: {_lacking(grade, grade.explained)}{reach}"
 
 

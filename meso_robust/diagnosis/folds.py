@@ -217,6 +217,7 @@ def _folds(prepared: Prepared, seed: int) -> Ints:
     return fold
 
 
+@np.errstate(over="ignore", invalid="ignore")  # as for a fit
 def rolled_out(bench: Bench, model: Model, values: Floats, plain: Floats | None = None) -> RollOut:
     """Predict every recording by a fit of the model to the other folds.
 

@@ -63,8 +63,7 @@ _DOWN_TO = 1.2  # mean square over that of noise and starts, up to which a set i
 _EQUAL_SHARE = 0.9  # of the best set's share, from which on a rival may explain as much
 _EQUAL_NATS = 5.0  # tempered, up to which recordings do not tell two sets apart
 _TEMPERED = 1.5  # squared error over the floor, from which on a likelihood is overconfident
-# of the explainable error, that one effect explains which fails to carry over, and that each of several sets does
-_MOST_OF_ALL = 0.5
+_MOST_OF_ALL = 0.5  # of the explainable error, that one effect explains which fails to carry over
 _MOSTLY = 0.5  # of what is left, from which on a sway is where it is
 _LOOKED = 8  # recordings in which it is looked for where the rest is, those that have most of it
 _RESAMPLED = 2000
@@ -403,8 +402,8 @@ def _verdict(
         return "consistent"
     if explained is None or not _tells(explained):
         return "unknown"
-    if rivals:  # of sets that alike leave most of it unexplained none is the answer
-        return "ambiguous" if explained.share >= _MOST_OF_ALL else "unknown"
+    if rivals:
+        return "ambiguous"
     sure = explained.share >= NAMED and explained.low >= SURE
     return "named" if everywhere and sure else "partial"
 

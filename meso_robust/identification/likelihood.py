@@ -144,6 +144,7 @@ class _Descent:
         shape = (*present.residuals.shape[:2], 3 * present.residuals.shape[2], columns)
         self.jacobian = np.zeros(shape) if jacobian is None else np.broadcast_to(jacobian, shape)
 
+    @np.errstate(over="ignore", invalid="ignore")  # a step far out may overflow; it is not taken
     def run(self) -> Fitted:
         """Go down until χ² stops falling."""
         settings, rounds = self.problem.settings, 0

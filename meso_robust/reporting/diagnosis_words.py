@@ -63,7 +63,7 @@ _UNITS = {"_um2": " µm²", "_um_s": " µm/s", "_um": " µm", "_deg": "°", "_ms
 
 
 _STILL = "keep the camera, the stage and the table still, and record again"
-_MOSTLY = 0.5  # of what is left, from which on a sway is what is wrong
+_MOSTLY = 0.5  # of the square of what is left, from which on a sway is what is wrong
 
 
 def answer(document: DiagnosisDocument) -> str:
@@ -96,7 +96,7 @@ def _shakes(document: DiagnosisDocument) -> bool:
         left is not None
         and sway is not None
         and left.stage == "observation"
-        and sway >= _MOSTLY * left.um
+        and sway**2 >= _MOSTLY * left.um**2
     )
 
 

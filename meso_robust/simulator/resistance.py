@@ -47,7 +47,7 @@ _ON_THE_WAY = 0.1  # of the speed that points creep at: the same while the law i
 # of the way between two new twists, how far beyond the last one to go at most, and how far back
 _AHEAD, _BACK = 4.0, 0.5
 _STEADY = 0.1  # a change this much smaller than the one before foretells the next one
-# most of a first try: nine steps of ten need five or fewer, and one in thirty goes round in a circle
+# most of a first try: dry steps need two as a rule, against a lay eight; one may go round in a circle
 _FIRST_TANGENTS = 12
 _TANGENTS = 60  # most while the law is smoothed
 _SECOND_TANGENTS, _LAST_TANGENTS = 30, 360  # and most of the law itself in a second and a third try

@@ -22,6 +22,8 @@ from reports.blind3.filming import SEED, tracked
 from reports.blind3.score import Scored, results_text
 
 FORMS = ("quick", "full")
+AGAIN = "again"
+"""The quick form once more, of cases that are known by then: no blind evidence."""
 Values = Mapping[str, Any]
 
 
@@ -125,7 +127,7 @@ class Trial:
                 )
         folders = [self.folder(case) for case in open_]
         with ProcessPoolExecutor(workers, mp_context=get_context("spawn")) as pool:
-            given = pool.map(partial(diagnosed, quick=form == "quick"), folders)
+            given = pool.map(partial(diagnosed, quick=form != "full"), folders)
             for case, answer in zip(open_, given, strict=True):
                 with (self.out / f"{form}.jsonl").open("a", encoding="utf-8") as file:
                     file.write(json.dumps({"id": case.id, **answer}) + "\n")
@@ -133,19 +135,24 @@ class Trial:
 
     def page(self) -> str:
         """Results of each block in every form, the latest first, in Markdown."""
-        promised, by_id = self.labels(), {case.id: case for case in self.cases}
         parts = []
         for first, end, what in reversed(self.blocks):
             for form in self.forms:
-                scored = [
-                    Scored(case=by_id[one["id"]], label=promised[f"{one['id']:03d}"], answer=one)
-                    for one in sorted(self.answers(form), key=lambda one: int(one["id"]))
-                    if first <= one["id"] < end
-                ]
-                if scored:
+                if scored := self._scored(form, first, end):
                     head = f"Cases {first} to {scored[-1].case.id}, {form} form: {what}."
                     parts.append(f"{head}\n\n{results_text(scored, frozenset())}")
+        if scored := self._scored(AGAIN, 0, self.cases[-1].id + 1):
+            head = f"{len(scored)} cases asked again in the quick form, known by then: no blind evidence."
+            parts.append(f"{head}\n\n{results_text(scored, frozenset())}")
         return "\n".join(parts)
+
+    def _scored(self, form: str, first: int, end: int) -> list[Scored]:
+        promised, by_id = self.labels(), {case.id: case for case in self.cases}
+        return [
+            Scored(case=by_id[one["id"]], label=promised[f"{one['id']:03d}"], answer=one)
+            for one in sorted(self.answers(form), key=lambda one: int(one["id"]))
+            if first <= one["id"] < end
+        ]
 
 
 FILMS = Trial(
@@ -178,7 +185,9 @@ def main(arguments: Sequence[str] | None = None) -> None:
     parser.add_argument("--first", type=int, default=0, help="leave out those before")
     parser.add_argument("--workers", type=int, default=1)
     parser.add_argument("--commit", action="store_true", help="make sets and promise them only")
-    parser.add_argument("--form", choices=FORMS, action="append", help="all by default")
+    parser.add_argument(
+        "--form", choices=(*FORMS, AGAIN), action="append", help="the trial's by default"
+    )
     parser.add_argument("--score", action="store_true", help="write results.md only")
     given = parser.parse_args(arguments)
     trial = TRIALS[given.trial]

@@ -115,7 +115,7 @@ def test_the_answer_is_one_sentence_that_a_laboratory_can_act_on() -> None:
 
 @pytest.mark.parametrize(
     ("stage", "sway", "shakes"),
-    [("observation", 0.5, True), ("observation", 0.2, False), ("actuation", 0.5, False)],
+    [("observation", 0.5, True), ("observation", 0.35, False), ("actuation", 0.5, False)],
 )
 def test_an_image_that_shakes_is_what_is_wrong(
     stage: Channel, sway: float, *, shakes: bool
