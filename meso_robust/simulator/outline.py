@@ -44,7 +44,10 @@ def edge_table(vertices: Floats, first: int = 0) -> Floats:
         whether the first corner is convex.
     """
     if vertices.ndim > 2 and len(vertices) > 1:
-        return _edges_of(vertices, first)
+        table = _edges_of(vertices, first)
+        # as that of one part is, which is kept: for another type the kernels are made again
+        table.flags.writeable = False
+        return table
     corners = np.ascontiguousarray(vertices, dtype=np.float64).tobytes()
     return _edge_table(corners, first).reshape(*vertices.shape[:-1], EDGE)
 

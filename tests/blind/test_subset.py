@@ -49,6 +49,7 @@ def test_a_concealed_effect_is_named_with_its_size(case: Case, tmp_path: Path) -
     assert held["extended_sigma"] < min(1.2, held["baseline_sigma"])
 
 
+@at_night
 def test_what_is_not_in_the_catalogue_is_not_named(tmp_path: Path) -> None:
     found, _ = answer(OUTSIDE, tmp_path)
     assert found["mismatch"]["detected"]

@@ -248,7 +248,8 @@ def prepare(move: Mapping[str, Floats], fixture: Sequence[Floats] = ()) -> Input
         np.ascontiguousarray(move["poses"] / stretch),
         np.ascontiguousarray(tips / size),
         np.ascontiguousarray(travel / size),
-        np.ascontiguousarray(np.broadcast_to(friction, travel.shape[:3])),
+        # a copy: what need not be broadcast would be read-only, and for another type the kernel is made again
+        np.array(np.broadcast_to(friction, travel.shape[:3]), order="C"),
         np.ascontiguousarray(move["radii"].reshape(-1, probes) / size),
         np.ascontiguousarray(walls[walls[:, CONVEX] > 0, :2]),
         np.ascontiguousarray(scaled / scaled[:, :1, :1]),
