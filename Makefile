@@ -19,10 +19,10 @@ test: compiled
 test-all: compiled
 	$(BIN)/python -m pytest -q -n auto --dist loadfile --no-loadscope-reorder
 
-# Kernels are compiled once, before several workers would each compile them: the engines' by one process,
-# the bounds' and those of tracking by another.
+# Kernels are compiled once, before several workers would each compile them: that of events by one process,
+# those that `plan` and `track` call by another (and `simulator.ahead`).
 compiled: $(INSTALLED)
-	@$(BIN)/python -c "from tests.compiled import compile_engines; compile_engines()" & other=$$!; folder=$$(mktemp -d) && \
+	@$(BIN)/python -c "from tests.compiled import compile_events; compile_events()" & other=$$!; folder=$$(mktemp -d) && \
 	$(BIN)/meso-robust plan --quiet --samples 10 --out "$$folder/plan" && \
 	$(BIN)/meso-robust example "$$folder/latch" > /dev/null && \
 	$(BIN)/meso-robust track "$$folder/latch/videos/push_5.mp4" --commands "$$folder/latch/videos" --task "$$folder/latch/task.toml" \
