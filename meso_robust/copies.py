@@ -3,7 +3,8 @@
 Threads make such calls no quicker: one interpreter runs one at a time. A copy begins with all that is
 imported and compiled here, which a new process would take seconds for. A copy of a process in which
 others run threads may wait for a lock that nobody holds any more, so that only those verbs of the command
-line allow it that run no thread but the one that shows progress, of which a copy asks for nothing.
+line allow it that run no thread but the one that shows progress, of which a copy asks for nothing. Should
+a copy wait for ever nevertheless, its work is done here.
 """
 
 from __future__ import annotations
@@ -11,6 +12,7 @@ from __future__ import annotations
 import os
 import signal
 import sys
+import time
 from collections.abc import Callable, Iterable
 from multiprocessing import get_context
 from multiprocessing.connection import Connection
@@ -23,6 +25,8 @@ _T = TypeVar("_T")
 _R = TypeVar("_R")
 PLACE = 4
 """Bytes of an item's place in the pipe that tells which is next."""
+PATIENCE = 60.0
+"""Seconds for which a copy's last item is waited for at least; as long as this process worked, if that is longer."""
 _allowed: list[bool] = []
 
 
@@ -78,16 +82,18 @@ def shared(function: Callable[[_T], _R], items: Iterable[_T]) -> list[_R]:
     copies = [begun() for _ in range(count - 1)]
     try:
         with one_thread():  # as the copies do: what it works at may be shared work itself
+            begin = time.monotonic()
             found = work()
+        end = time.monotonic() + max(PATIENCE, time.monotonic() - begin)
         for _, reads in copies:
-            found.update(_told(reads))
+            found.update(_told(reads, end))
     finally:
         os.close(waiting)
         for process, reads in copies:
             reads.close()
             process.kill()
             process.join()
-    # what a copy failed at is worked out here, where it is told why
+    # what a copy failed at, or never came back from, is worked out here, where it is told why
     return [found[k] if k in found else function(item) for k, item in enumerate(every)]
 
 
@@ -96,8 +102,10 @@ def _next(waiting: int) -> int | None:
     return int.from_bytes(place, "big") if place else None
 
 
-def _told(reads: Connection) -> dict[int, Any]:
+def _told(reads: Connection, end: float) -> dict[int, Any]:
     try:
+        if not reads.poll(max(0.0, end - time.monotonic())):
+            return {}
         told: dict[int, Any] = reads.recv()
     except EOFError:  # it failed, or was ended
         return {}

@@ -68,6 +68,18 @@ class TestCopies:
         )
         assert ended.stdout.strip() == str(list(range(9))), ended.stderr
 
+    def test_what_a_copy_never_comes_back_from_is_worked_out_here(self) -> None:
+        ended = said(
+            "copies.PATIENCE = 0.1\n"
+            "def work(k):\n"
+            "    time.sleep(0.02)\n"
+            "    while os.getpid() != here:\n"
+            "        time.sleep(1)\n"
+            "    return k\n"
+            "print(shared(work, range(9)))"
+        )
+        assert ended.stdout.strip() == str(list(range(9))), ended.stderr
+
     def test_ctrl_c_ends_the_copies(self) -> None:
         ended = said(
             "from multiprocessing import active_children\n"
