@@ -321,7 +321,7 @@ def graded(
         rivals = tuple(one for one in rivals if one not in alike)
     if naming is not None and chosen is not None and not rivals and not alike:
         beside = _slight(judge, chosen)
-        chosen, more, alike, judge = _with_more(judge, naming, chosen, reach, matters)
+        chosen, more, alike, judge = _with_more(judge, naming, chosen, reach, matters, seed)
         beside += more
     explained = _explained(judge, chosen.effects, seed) if chosen else None
     effects = chosen.effects if chosen else ()
@@ -483,13 +483,18 @@ def _slight(judge: _Judge, whole: Candidate) -> Names:
 
 
 def _with_more(
-    judge: _Judge, naming: Naming, chosen: Candidate, reach: float | None, matters: float
+    judge: _Judge,
+    naming: Naming,
+    chosen: Candidate,
+    reach: float | None,
+    matters: float,
+    seed: int,
 ) -> tuple[Candidate, Names, tuple[Candidate, ...], _Judge]:
     """The set with further members, as long as what is left matters and one earns its place in every fold.
 
     Beside one that is so strong that all else is a twentieth of the error, that may be many times what matters. One
-    that explains little of the whole is told apart, and is the last. So is one that another law of the same physics
-    does as well as.
+    that explains little of the whole is told apart, and is the last. So is one that another law does nearly as much as:
+    of the same physics, or of another that surely leaves more.
     """
     bench, predicted = judge.bench, judge.seen
     alike: tuple[Candidate, ...] = ()
@@ -501,13 +506,14 @@ def _with_more(
             break
         best = min(able, key=lambda one: float(judge.sums(one.effects).sum()))
         same = [one for one in offered if one is not best and _adds_alike(judge, chosen, best, one)]
-        if any(_physics(one) != _physics(best) for one in same):
+        others = [one for one in same if _physics(one) != _physics(best)]
+        if any(not _surely_worse(judge, best, one, seed) for one in others):
             break
         own = tuple(name for name in best.effects if name not in chosen.effects)
         slight = judge.share(best.effects) - judge.share(chosen.effects) < PARTIAL
-        chosen, alike = best, tuple(same)
-        if slight or alike:
-            return chosen, own if slight else (), alike, judge
+        chosen, alike = best, tuple(one for one in same if one not in others)
+        if slight or same:
+            return chosen, own if slight or others else (), alike, judge
     return chosen, (), alike, judge
 
 
@@ -899,18 +905,18 @@ def _stage_left(
     if _mostly_sway(judge.bench, float((judge.sums(names) - judge.floor).sum())):
         return "observation"
     bench, of = judge.bench, judge.seen[names]
-    found: dict[Channel, tuple[float, ...]] = {}
+    found: dict[Channel, float] = {}
     if _is_left(judge, names, matters):
         rows = np.sort(np.argsort(judge.floor - judge.sums(names))[:_LOOKED])
         some = replace(recordings, recordings=tuple(recordings.recordings[r] for r in rows))
         own = some_of(bench.prepared, rows)
         found = stages(some, own, of.model, of.values, bench.baseline.noise)
     largest = stage_of(max(names, key=lambda name: shares[name])).name if names else ""
-    best = max((max(worth) for worth in found.values()), default=0.0)
+    best = max(found.values(), default=0.0)
     if best > _EQUAL_NATS:
-        near = [one for one, worth in found.items() if max(worth) >= best - _EQUAL_NATS]
-        # of those that explain as much the set's own, or the one that does so in windows of either length
-        return max(near, key=lambda one: (one == largest, sum(found[one])))
+        near = [one for one, worth in found.items() if worth >= best - _EQUAL_NATS]
+        # of those that explain as much the set's own
+        return max(near, key=lambda one: (one == largest, found[one]))
     if largest:
         return next(channel for channel in CHANNELS if channel == largest)
     return where.channels[0].channel

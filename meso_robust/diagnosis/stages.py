@@ -6,7 +6,8 @@ stage must not only follow what is wrong where something is, but move nothing wh
 
 Tips may be off by more than a straight line tells: one that is nearer than commanded pushes, one that is farther lets go.
 So inputs of the tips, and of the image, which is off against them alike, are told about tips that are fitted window by
-window. How long windows are to be is not known: the length counts that explains most.
+window. Where a model is far off, that which has more inputs explains more, whatever it is: so what may be wrong with an
+image is asked one by one. How long windows are to be is not known: those of either length count alike.
 """
 
 from __future__ import annotations
@@ -29,24 +30,25 @@ from meso_robust.types import Floats, Ints
 Groups: TypeAlias = tuple[tuple[str, ...], ...]
 
 _CUTS = (PIECES, (8, 15))
-_APART = 0.02  # of the part's size, by which tips may be off in a window
+_APART = 0.05  # of the part's size, by which tips may be off in a window
 _TIPS: Groups = (("tips x", "tips y"), ("tips' drift x", "tips' drift y"))
-_INPUTS: Mapping[Channel, Groups] = {
-    "support": (("rho",), ("drag_centre_offset.x_um", "drag_centre_offset.y_um")),
-    "contact": (("mu", "mu_t"),),
-    "actuation": _TIPS,
-    "observation": (
-        ("camera_drift.x_um_s", "camera_drift.y_um_s"),
-        ("camera_latency.time_ms",),
-        ("camera_anisotropy.x_percent", "camera_anisotropy.y_percent"),
-    ),
-    "environment": (("body_force.x_um_s", "body_force.y_um_s"),),
-    "geometry": (("tip_radius.excess_um",),),
+_IMAGE: Groups = (
+    ("camera_drift.x_um_s", "camera_drift.y_um_s"),
+    ("camera_latency.time_ms",),
+    ("camera_anisotropy.x_percent", "camera_anisotropy.y_percent"),
+)
+_INPUTS: Mapping[Channel, tuple[Groups, ...]] = {
+    "support": ((("rho",), ("drag_centre_offset.x_um", "drag_centre_offset.y_um")),),
+    "contact": ((("mu", "mu_t"),),),
+    "actuation": (_TIPS,),
+    "observation": tuple((of,) for of in _IMAGE),
+    "environment": ((("body_force.x_um_s", "body_force.y_um_s"),),),
+    "geometry": ((("tip_radius.excess_um",),),),
 }
-"""By stage, inputs that are drawn from one distribution, those of a tuple together."""
-_ABOUT_TIPS: Mapping[Channel, Groups] = {
-    "actuation": _TIPS,
-    "observation": (_TIPS[0], *_INPUTS["observation"]),
+"""By stage, what may vary there, one or the other: groups of inputs, those of a group drawn from one distribution."""
+_ABOUT_TIPS: Mapping[Channel, tuple[Groups, ...]] = {
+    "actuation": (_TIPS,),
+    "observation": tuple((_TIPS[0], of) for of in _IMAGE),
 }
 """Of those that tips may hide, about tips as fitted; an image that is off as a whole is tips that are."""
 _ROUNDS = 20  # of a search for the width
@@ -54,7 +56,7 @@ _ROUNDS = 20  # of a search for the width
 
 def stages(
     recordings: RecordingSet, prepared: Prepared, model: Model, values: Floats, noise: Noise
-) -> dict[Channel, tuple[float, ...]]:
+) -> dict[Channel, float]:
     """Evidence in nats for hidden inputs at each stage, beyond a model.
 
     Parameters
@@ -68,8 +70,8 @@ def stages(
 
     Returns
     -------
-    dict[Channel, tuple[float, ...]]
-        By stage, for longer and for shorter windows; negative where its inputs are not worth their number.
+    dict[Channel, float]
+        By stage, the mean of longer and of shorter windows; negative where its inputs are not worth their number.
     """
     aside = (0.0,) if prepared.tip_offset else (0.0, _APART * prepared.length)
     asked = [(pieces, apart) for pieces in _CUTS for apart in aside]
@@ -88,21 +90,21 @@ def stages(
         )
         inputs = _ABOUT_TIPS if apart else _INPUTS
         plain = 0.5 * sum(float(of.data @ of.data) for of in told.found.each)
-        return plain, {channel: _cost(told, groups) for channel, groups in inputs.items()}
+        return plain, {
+            channel: min(_cost(told, groups) for groups in either)
+            for channel, either in inputs.items()
+        }
 
     found = dict(zip(asked, shared(costs, asked), strict=True))
-    each: list[dict[Channel, float]] = []
+    worth = dict.fromkeys(_INPUTS, 0.0)
     for pieces in _CUTS:
         # windows about tips as fitted are held against those about tips as commanded, too
         plain = found[pieces, 0.0][0]
         told = [found[pieces, apart][1] for apart in aside]
-        each.append(
-            {
-                channel: plain - min(of[channel] for of in told if channel in of)
-                for channel in _INPUTS
-            }
-        )
-    return {channel: tuple(one[channel] for one in each) for channel in _INPUTS}
+        for channel in worth:
+            least = min(of[channel] for of in told if channel in of)
+            worth[channel] += (plain - least) / len(_CUTS)
+    return worth
 
 
 def _cost(told: Windows, groups: Groups) -> float:

@@ -35,7 +35,7 @@ def varied(*each: Given) -> RecordingSet:
 def told(recordings: RecordingSet, model: Model = MODEL, values: Floats = VALUES) -> str:
     noise = replace(noise_of(recordings), sigma=SIGMA, correlation=0.0)
     found = stages(recordings, prepare(recordings, step=model.step), model, values, noise)
-    return max(found, key=lambda channel: max(found[channel]))
+    return max(found, key=lambda channel: found[channel])
 
 
 @pytest.mark.parametrize(
