@@ -1,7 +1,8 @@
 """Cases apart from the list: films, and more of what is short. ``python -m reports.blind3.filmed --help``.
 
 Sets of the same kinds and laws as the others, drawn with other seeds. Films are made by `film` and tracked by ``track``,
-then diagnosed in the quick and in the full form. Sets that are outside the catalogue or hold a pair come as recordings.
+then diagnosed in the quick and in the full form. Those of `SHORT` and of `LATE`, most of them outside the catalogue or a
+pair, come as recordings.
 """
 
 from __future__ import annotations
@@ -174,7 +175,25 @@ SHORT = Trial(
     blocks=((0, 120, "what a set leaves may be at the stage of its own effects"),),
     forms=("quick",),
 )
-TRIALS = {"films": FILMS, "short": SHORT}
+LATE = Trial(
+    out=HERE / "late",
+    cases=[
+        case
+        for case in listed(120, 20261129)
+        if case.kind in ("outside", "pair") or case.id < 40  # and some of every kind
+    ],
+    made=sealed,
+    follows=("generate.py", "laws.py", "cases.py"),
+    blocks=(
+        (
+            0,
+            120,
+            "stages are told by equal numbers of inputs, a second effect that surely leaves least is told",
+        ),
+    ),
+    forms=("quick",),
+)
+TRIALS = {"films": FILMS, "short": SHORT, "late": LATE}
 
 
 def main(arguments: Sequence[str] | None = None) -> None:

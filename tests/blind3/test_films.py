@@ -14,7 +14,7 @@ import meso_robust
 from reports.blind3 import film as renderer, filming
 from reports.blind3.cases import HERE, listed
 from reports.blind3.film import PIXEL_UM, drawn_look, film
-from reports.blind3.filmed import FILMS, SHORT, Trial
+from reports.blind3.filmed import FILMS, LATE, SHORT, Trial
 from reports.blind3.generate import (
     LENGTH,
     RADIUS,
@@ -111,12 +111,14 @@ def test_a_world_is_made_again_from_its_label_and_no_other() -> None:
 
 
 def test_the_films_are_of_other_cases() -> None:
-    seeds = [{case.seed for case in of} for of in (listed(), FILMS.cases, SHORT.cases)]
+    seeds = [{case.seed for case in of} for of in (listed(), FILMS.cases, SHORT.cases, LATE.cases)]
     assert len(set.union(*seeds)) == sum(len(of) for of in seeds)
     kinds = [case.kind for case in FILMS.cases]
     assert [kinds.count(kind) for kind in ("single", "null", "pair", "outside")] == [60, 24, 18, 18]
     kinds = [case.kind for case in SHORT.cases]
     assert [kinds.count(kind) for kind in ("single", "null", "pair", "outside")] == [0, 0, 18, 18]
+    kinds = [case.kind for case in LATE.cases]
+    assert [kinds.count(kind) for kind in ("single", "null", "pair", "outside")] == [20, 8, 18, 18]
 
 
 def test_answers_are_of_promised_sets_only(tmp_path: Path) -> None:
@@ -130,7 +132,7 @@ def test_answers_are_of_promised_sets_only(tmp_path: Path) -> None:
     assert trial.answers("quick") == []
 
 
-@pytest.mark.parametrize("trial", [FILMS, SHORT])
+@pytest.mark.parametrize("trial", [FILMS, SHORT, LATE])
 def test_the_commitment_is_of_this_generator(trial: Trial) -> None:
     promised = json.loads(trial.commitment.read_text(encoding="utf-8"))
     assert promised["generator_sha256"] == trial.generator_hash()
