@@ -431,22 +431,29 @@ def _pools(
 ) -> Iterator[tuple[Naming | None, tuple[Candidate, ...]]]:
     """Sets that may be the answer: those that the competition leaves; if they fail, the likeliest.
 
-    One that two held-out recordings spoke against, and that is as likely, is asked in every fold. A set
-    is likelier than others by recordings that it was fitted to: it may fail on the rest where they hold.
+    One that two held-out recordings spoke against, and that is as likely, is asked in every fold, and so are other laws of
+    the same physics. A set is likelier than others by recordings that it was fitted to: it may fail on the rest where they hold.
     """
     if naming is None:
         yield None, ()
         return
     if naming.answers:
         least = naming.answers[0].score - _EQUAL_NATS
-        near = tuple(one for one in naming.candidates if _refuted(one) and one.score >= least)
+        near = tuple(
+            one
+            for one in naming.candidates
+            if one not in naming.answers
+            and ((_refuted(one) and one.score >= least) or _another_law(naming.answers[0], one))
+        )
         yield naming, (*naming.answers, *near)[: _JUDGED[quick]]
     able = [one for one in naming.candidates if not one.duplicate and one.score > 0.0]
     likely = able[: _JUDGED[quick]]
     singles = [one for one in able if len(one.effects) == 1]
     # one that explains all but as much as the first, as well as scores are known, may be what it is
     close = [one for one in singles[:2] if one.score >= (1.0 - SCORE_SHARE) * singles[0].score]
-    yield replace(naming, answers=()), (*likely, *(one for one in close if one not in likely))
+    laws = [one for one in able if any(_another_law(of, one) for of in (*able[:1], *close))]
+    more = (one for one in able if one in (*close, *laws) and one not in likely)
+    yield replace(naming, answers=()), (*likely, *more)
 
 
 def _predicted(
@@ -632,7 +639,11 @@ def _answer(
         if chosen is None:
             return None, tuple(one for one in naming.answers[1:] if not _holds(one, pool[0])), True
         others = [one for one in naming.answers[1:] if not _holds(one, chosen)]
-        rivals = [one for one in others if not _behind(judge, chosen, one, seed)]
+        rivals = [
+            one
+            for one in others
+            if _law_open(judge, chosen, one) or not _behind(judge, chosen, one, seed)
+        ]
         rivals += [one for one in pool[len(naming.answers) :] if _equal(judge, chosen, one, seed)]
         return chosen, tuple(rivals), True
     chosen, everywhere = _holding(judge, naming, pool, seed)
@@ -640,8 +651,9 @@ def _answer(
         return None, (), True
     rivals = [one for one in pool if _equal(judge, chosen, one, seed)]
     # what all of them share is sure; which of the rest is not, and stays a remainder
-    core = set(chosen.effects).intersection(*(one.effects for one in rivals))
-    common = _listed(naming, tuple(sorted(core))) if rivals else None
+    others = [one for one in rivals if not _another_law(chosen, one)]
+    core = set(chosen.effects).intersection(*(one.effects for one in others))
+    common = _listed(naming, tuple(sorted(core))) if others else None
     if common is not None:
         judge.with_part(chosen, common.effects)
         if judge.share(common.effects) >= PARTIAL and judge.carries(common.effects):
@@ -727,6 +739,23 @@ def _only_law(judge: _Judge, chosen: Candidate, rival: Candidate, seed: int) -> 
     return more and not _surely_worse(judge, rival, chosen, seed)
 
 
+def _another_law(chosen: Candidate, other: Candidate) -> bool:
+    """Whether a set is another one but for laws of the same physics, and nearly as likely.
+
+    No law is quite the true one: which of two is nearer on these pushes does not tell which it is.
+    """
+    if other.effects == chosen.effects or len(other.effects) != len(chosen.effects):
+        return False
+    near = other.score >= (1.0 - _MEMBER_SHARE) * chosen.score
+    return near and not other.duplicate and _physics(other) == _physics(chosen)
+
+
+def _law_open(judge: _Judge, chosen: Candidate, other: Candidate) -> bool:
+    """Whether such a set explains as much, but for what any law mops up of another's form."""
+    least = judge.share(chosen.effects) - _MEMBER_SHARE
+    return _another_law(chosen, other) and judge.share(other.effects) > least
+
+
 def _physics(one: Candidate) -> set[str]:
     """Pieces of physics that a set holds laws of."""
     return {family_of(name) for name in one.effects}
@@ -742,7 +771,11 @@ def _equal(judge: _Judge, chosen: Candidate, rival: Candidate, seed: int) -> boo
     """Whether another set, neither part nor whole of the chosen one, explains as much, and carries over."""
     if _holds(rival, chosen) or set(rival.effects) <= set(chosen.effects):
         return False
-    if not judge.carries(rival.effects) or _behind(judge, chosen, rival, seed):
+    if not judge.carries(rival.effects):
+        return False
+    if _law_open(judge, chosen, rival):
+        return True
+    if _behind(judge, chosen, rival, seed):
         return False
     if judge.share(rival.effects) < _EQUAL_SHARE * judge.share(chosen.effects):
         return False

@@ -537,6 +537,55 @@ def test_a_rival_that_leaves_the_law_open_makes_an_answer_partial(
         assert "camera_latency + part_yaw" in _why(found)
 
 
+def test_a_law_is_open_where_another_one_of_the_same_physics_explains_nearly_as_much() -> None:
+    """However surely it leaves more, and though it is the less likely one where both were fitted."""
+    own, other = (
+        stated(name, gain=gain) for name, gain in (("body_force", 1000.0), ("film_flow", 960.0))
+    )
+    less, foreign = stated("film_flow", gain=940.0), stated("drag_gradient", gain=960.0)
+    nearly = [n + 0.04 * (p - n) for n, p in zip(NOISE, PLAIN, strict=True)]
+    worse = [n + 0.06 * (p - n) for n, p in zip(NOISE, PLAIN, strict=True)]
+    judge = stood(
+        {(): PLAIN, ("body_force",): NOISE, ("film_flow",): nearly, ("drag_gradient",): nearly}
+    )
+    assert _equal(judge, own, other, 0)
+    assert not _equal(judge, own, less, 0)
+    assert not _equal(judge, own, foreign, 0)
+    assert not _equal(
+        stood({(): PLAIN, ("body_force",): NOISE, ("film_flow",): worse}), own, other, 0
+    )
+    # among the answers of a competition, too, and asked where it put the other law aside
+    assert _answer(judge, contest(own, other, answers=(own, other)), (own, other), 0) == (
+        own,
+        (other,),
+        True,
+    )
+    aside = stated("film_flow", gain=960.0, ground=Ground.MISMATCH_LEFT)
+    naming = contest(own, aside, foreign, answers=(own,))
+    first, (asked, then) = _pools(naming, True)
+    assert first == (naming, (own, aside))
+    assert asked is not None
+    assert set(then) == {own, aside, foreign}
+    assert _answer(judge, naming, (own, aside), 0) == (own, (aside,), True)
+    # the fifth likeliest set may be the other law of the likeliest one
+    many = [
+        stated(name, gain=gain)
+        for name, gain in (("a", 999.0), ("b", 998.0), ("c", 997.0), ("d", 996.0))
+    ]
+    ((_, then),) = _pools(contest(own, *many, aside), True)
+    assert then == (own, *many[:3], aside)
+
+
+def test_laws_of_one_physics_are_no_reason_to_tell_less() -> None:
+    one, other = stated("body_force", "c", gain=1000.0), stated("c", "film_flow", gain=999.0)
+    most = [n + 0.3 * (p - n) for n, p in zip(NOISE, PLAIN, strict=True)]
+    judge = stood(
+        {(): PLAIN, ("c",): most, ("body_force",): PLAIN, one.effects: NOISE, other.effects: NOISE}
+    )
+    naming = contest(one, other, stated("c", gain=800.0))
+    assert _answer(judge, naming, (one, other), 0) == (one, (other,), True)
+
+
 def test_what_does_not_carry_over_is_no_rival() -> None:
     sums = {(): PLAIN, ("a",): NOISE, ("b",): NOISE}
     a, b = stated("a", gain=1000.0), stated("b", gain=1002.0)
