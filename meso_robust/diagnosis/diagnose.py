@@ -295,9 +295,8 @@ def _numbers(baseline: Baseline, refit: Refit, rolled: RollOut | None) -> tuple[
     that are free take up what is wrong.
     """
     held = rolled is not None and rolled.weighed
-    if rolled is not None and held:
-        return widened(baseline, refit, intervals_by_fold(rolled))
-    return widened(baseline, refit, roomier(refit, intervals_of(baseline, refit)))
+    known = intervals_by_fold(rolled) if rolled and held else intervals_of(baseline, refit)
+    return widened(baseline, refit, roomier(refit, known))
 
 
 def _reach(parts: Split, where: Located | None, answer: Accepted | None) -> float | None:

@@ -160,8 +160,8 @@ class Grade:
     rivals
         Sets that explain as much.
     alike
-        Likewise, but only with other laws of the same physics, or with more effects than the chosen one: what it is
-        stays known, so that it is partial.
+        Likewise, but only with other laws of the same physics, with more effects than the chosen one, or with others in
+        place of what was found in what the rest leaves: what it is stays known, so that it is partial.
     explained
         None where nothing is to be explained.
     shares
@@ -501,7 +501,7 @@ def _with_more(
 
     Beside one that is so strong that all else is a twentieth of the error, that may be many times what matters. One
     that explains little of the whole is told apart, and is the last. So is one that another law does nearly as much as:
-    of the same physics, or of another that surely leaves more.
+    of the same physics, of another that surely leaves more, or of any where each takes away nearly all that is left.
     """
     bench, predicted = judge.bench, judge.seen
     alike: tuple[Candidate, ...] = ()
@@ -514,11 +514,12 @@ def _with_more(
         best = min(able, key=lambda one: float(judge.sums(one.effects).sum()))
         same = [one for one in offered if one is not best and _adds_alike(judge, chosen, best, one)]
         others = [one for one in same if _physics(one) != _physics(best)]
-        if any(not _surely_worse(judge, best, one, seed) for one in others):
+        unsure = any(not _surely_worse(judge, best, one, seed) for one in others)
+        if unsure and not _takes_nearly_all(judge, chosen, best):
             break
         own = tuple(name for name in best.effects if name not in chosen.effects)
         slight = judge.share(best.effects) - judge.share(chosen.effects) < PARTIAL
-        chosen, alike = best, tuple(one for one in same if one not in others)
+        chosen, alike = best, tuple(one for one in same if unsure or one not in others)
         if slight or same:
             return chosen, own if slight or others else (), alike, judge
     return chosen, (), alike, judge
@@ -532,11 +533,14 @@ def _adds(judge: _Judge, part: Candidate, whole: Candidate, matters: float) -> b
     (own,) = (one for one in whole.refit.trials if one.effect not in part.effects)
     of = {one.key: one for one in intervals_by_fold(judge.seen[whole.effects])}
     sizes = [of.get(f"{own.effect}.{key}") for key in own.sizes]
-    left, less = (float(np.sum(judge.sums(one.effects) - judge.floor)) for one in (part, whole))
-    # of so many effects one is beyond nought by chance, but none takes away nearly all by chance
-    beyond = _BEYOND if less <= (1.0 - _NEARLY_ALL) * left else _beyond(judge.bench.count)
+    # of so many effects one is beyond nought by chance, but none takes away nearly all by chance;
     # a size that runs to the end of its range is none
-    if not any(one and not _open(one) and _clear(one, beyond) for one in sizes):
+    if _takes_nearly_all(judge, part, whole):
+        sure = any(one and one.parameter.low < one.value < one.parameter.high for one in sizes)
+    else:
+        beyond = _beyond(judge.bench.count)
+        sure = any(one and not _open(one) and _clear(one, beyond) for one in sizes)
+    if not sure:
         return False
     for member in part.effects:
         rest = tuple(name for name in whole.effects if name != member)
@@ -544,6 +548,12 @@ def _adds(judge: _Judge, part: Candidate, whole: Candidate, matters: float) -> b
         if not _takes(judge, rest, whole.effects):
             return False
     return True
+
+
+def _takes_nearly_all(judge: _Judge, part: Candidate, whole: Candidate) -> bool:
+    """Whether a further member takes away nearly all that a set leaves."""
+    left, less = (float(np.sum(judge.sums(one.effects) - judge.floor)) for one in (part, whole))
+    return less <= (1.0 - _NEARLY_ALL) * left
 
 
 def _by_fold(judge: _Judge, part: Names, whole: Names) -> Floats:

@@ -623,6 +623,7 @@ def extended(late: Diagnosis, monkeypatch: pytest.MonkeyPatch, **given: Any) -> 
     Each is given by what it leaves of the recordings, and by how many half widths its size is beyond nought.
     """
     matters, open_high = given.pop("matters", 0.0), given.pop("open_high", False)
+    parameter = SimpleNamespace(low=-9.0, high=given.pop("end", 9.0))
     bench, plain = late.grade.bench, late.grade.plain
     parts = ("", "b", "c", "b_c", "a_c")
     left = dict.fromkeys(parts, (1000.0, 9.0)) | {"a": (10.0, 9.0)} | given
@@ -639,7 +640,7 @@ def extended(late: Diagnosis, monkeypatch: pytest.MonkeyPatch, **given: Any) -> 
     def intervals(found: Any) -> list[Any]:
         half = 1.0 / found.values
         ends = {"value": 1.0, "low": 1.0 - half, "high": 1.0 + half}
-        of = {"open_low": False, "open_high": open_high, **ends}
+        of = {"open_low": False, "open_high": open_high, "parameter": parameter, **ends}
         return [SimpleNamespace(key=f"{one}.x", **of) for one in "abc"]
 
     def further(base: Candidate) -> list[Candidate]:
@@ -680,8 +681,10 @@ def test_a_further_effect_takes_away_much_everywhere_by_a_sure_amount_that_matte
     assert extended(late, monkeypatch, a_b=(9.0, 9.0)) == ("a",)
     assert extended(late, monkeypatch, a_b=(5.0, 2.0)) == ("a",)
     assert extended(late, monkeypatch, a_b=(5.0, 3.0)) == ("a", "(b)")
-    assert extended(late, monkeypatch, a_b=(2.5, 2.0)) == ("a", "(b)")  # nearly all that is left
-    assert extended(late, monkeypatch, a_b=(2.5, 1.5)) == ("a",)
+    # nearly all that is left, unless its size is at the end of its range
+    assert extended(late, monkeypatch, a_b=(2.5, 0.5)) == ("a", "(b)")
+    assert extended(late, monkeypatch, a_b=(2.9, 0.5)) == ("a",)
+    assert extended(late, monkeypatch, a_b=(2.5, 9.0), end=1.0) == ("a",)
     assert extended(late, monkeypatch, a_b=(5.0, 3.0), open_high=True) == ("a",)
     assert extended(late, monkeypatch, a_b=(one_fold, 9.0), a=(100.0, 9.0)) == ("a",)
     matters = 2.5 * float(late.grade.bench.baseline.noise.sigma[0])
@@ -699,6 +702,12 @@ def test_of_further_effects_that_take_away_alike_none_is_named(
     assert extended(late, monkeypatch, a_b=(5.0, 9.0), a_c=(some, 2.0)) == ("a",)
     assert extended(late, monkeypatch, a_b=(5.0, 9.0), a_c=(5.5, 9.0)) == ("a", "(b)")
     assert extended(late, monkeypatch, a_b=(5.0, 9.0), a_c=(7.0, 9.0)) == ("a", "(b)")
+    # where each takes away nearly all that is left, it is one of them
+    assert extended(late, monkeypatch, a_b=(2.5, 9.0), a_c=(0.5 * some, 9.0)) == (
+        "a",
+        "(b)",
+        "or a+c",
+    )
     more = {"a": (400.0, 9.0), "a_b": (40.0, 9.0)}
     assert extended(late, monkeypatch, **more, a_c=(110.0, 9.0)) == ("a", "(b)")
     assert extended(late, monkeypatch, **more, a_c=(120.0, 9.0)) == ("a", "b")
