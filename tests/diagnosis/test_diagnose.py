@@ -10,8 +10,9 @@ import pytest
 
 from meso_robust.diagnosis import detect as module
 from meso_robust.diagnosis.answer import document
-from meso_robust.diagnosis.diagnose import Diagnosis, diagnose
+from meso_robust.diagnosis.diagnose import Diagnosis, _numbers, diagnose
 from meso_robust.diagnosis.evidence import evidence
+from meso_robust.diagnosis.folds import intervals_by_fold
 from meso_robust.recordings import RecordingSet
 from tests.diagnosis.conftest import small_set
 from tests.diagnosis.designs import SIGMA
@@ -133,3 +134,17 @@ def test_recordings_held_out_may_have_more_tips_than_the_others(null: Diagnosis)
     np.testing.assert_array_equal(tips[:, :, :1], evidence(null).tips)
     assert np.isnan(tips[:count, :, 1]).all()
     np.testing.assert_allclose(tips[count:, :, 1], tips[count:, :, 0] + 1e-3)
+
+
+def test_numbers_have_room_for_what_is_undetected_where_more_than_noise_is_left(
+    late: Diagnosis,
+) -> None:
+    """Folds do not differ by what is a little wrong with all recordings alike."""
+    assert late.best is not None
+    assert late.grade.extended is not None
+    rolled = replace(late.grade.extended, weighed=True)
+    told = {one.key: one for one in _numbers(late.baseline, late.best.refit, rolled)}
+    by_fold = {one.key: one for one in intervals_by_fold(rolled)}
+    assert set(told) == set(by_fold)
+    key = "camera_latency.time_ms"
+    assert told[key].low < by_fold[key].low < by_fold[key].high < told[key].high

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import asdict, dataclass, replace
 
 import numpy as np
 import pytest
@@ -15,7 +15,7 @@ from meso_robust.identification.models import Model, viscous, with_effects
 from meso_robust.identification.prepared import prepare
 from meso_robust.recordings import RecordingSet
 from meso_robust.types import Floats
-from tests.diagnosis.designs import SIGMA, VALUES, Given, random_plans, recorded_plans
+from tests.diagnosis.designs import SIGMA, VALUES, Given, Plan, random_plans, recorded_plans
 from tests.identification.sets import PART, UM
 
 MODEL = viscous(PART.outline)
@@ -53,6 +53,36 @@ def test_what_differs_between_pushes_is_at_its_stage(
     signs = (1.0, -1.0, 1.0, -1.0)
     each = [{effect: {key: sign * size for key, size in sizes.items()}} for sign in signs]
     assert told(varied(*each)) == stage
+
+
+@dataclass(frozen=True, slots=True)
+class Circling(Plan):
+    """A push whose tip goes round in a circle while it travels."""
+
+    radius: float = 30 * UM
+
+    @property
+    def corners(self) -> tuple[Floats, Floats]:
+        """Times (N,) and places (N, 2) of the tip's path."""
+        clock, way = super(Circling, self).corners
+        times = np.linspace(0.0, clock[-1], 400)
+        tip = np.stack([np.interp(times, clock, column) for column in way.T], axis=1)
+        turn = 2.0 * np.pi * 0.8 * times
+        return times, tip + self.radius * np.column_stack([np.cos(turn) - 1.0, np.sin(turn)])
+
+
+def test_a_tip_that_goes_round_is_no_matter_of_the_image() -> None:
+    """It leaves the part and comes back, by more than a straight line tells, and its log shows no circle."""
+    plans = random_plans(np.random.default_rng(3), 8, (75 * UM,))
+    circles = [Circling(**asdict(plan)) for plan in plans]
+    no_effect = {"camera_latency": {"time_ms": 0.0}}  # by the stepper, which takes paths that bend
+    shown = recorded_plans(circles, np.random.default_rng(5), no_effect)
+    stated = recorded_plans(plans, np.random.default_rng(5))
+    rows = [
+        replace(of, probes=straight.probes)
+        for of, straight in zip(shown.recordings, stated.recordings, strict=True)
+    ]
+    assert told(replace(shown, recordings=tuple(rows))) == "actuation"
 
 
 def test_friction_of_the_tip_is_no_matter_of_the_support() -> None:
