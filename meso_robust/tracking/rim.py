@@ -166,9 +166,9 @@ def _whitener(mean: Floats, count: Floats, noise: Floats) -> Floats:
         varied = _varied(mean, count, within, _LAG) + _FLOOR**2
         covariance += varied[:, None, None] * alike * np.outer(share, share)
         # of a side nearly along rows or columns every bin shows another stretch
-        jumps = _varied(mean, count, within, 1) - np.nanmean(
-            np.where(within & (count > 0.0), each, np.nan), axis=1
-        )
+        seen = within & (count > 0.0)
+        of_noise = np.where(seen, each, 0.0).sum(axis=1) / np.maximum(seen.sum(axis=1), 1)
+        jumps = _varied(mean, count, within, 1) - of_noise
         covariance += np.maximum(jumps, 0.0)[:, None, None] * single * share**2
     return np.asarray(np.linalg.inv(np.linalg.cholesky(covariance)))
 

@@ -10,7 +10,7 @@ import pytest
 from meso_robust.tracking.covariance import clustered, fused, systematic, turned
 from meso_robust.tracking.edges import rotation, sampled_outline
 from meso_robust.tracking.memory import untaught
-from meso_robust.tracking.rim import LampFit
+from meso_robust.tracking.rim import _BINS, LampFit, _whitener
 from tests.tracking.drawing import CORNERS
 
 OUTLINE = sampled_outline(CORNERS)
@@ -126,3 +126,15 @@ def test_a_covariance_turns_with_the_frame() -> None:
     moved = np.column_stack((draws[:, :2] @ matrix.T, draws[:, 2]))
     expected = np.cov(moved.T)
     assert np.allclose(turned(np.diag([1.0, 9.0, 0.25]), matrix), expected, atol=0.2)
+
+
+def test_a_side_that_shows_nothing_within_tells_nothing_of_its_spread() -> None:
+    """As one half hidden by a needle: that of the other sides counts."""
+    rng = np.random.default_rng(2)
+    mean, count = rng.uniform(80.0, 120.0, (3, len(_BINS))), np.full((3, len(_BINS)), 9.0)
+    whole = _whitener(mean, count, np.ones(3))
+    count[1, _BINS < 0.0] = 0.0
+    found = _whitener(mean, count, np.ones(3))
+    assert np.all(np.isfinite(found))
+    # outside, where pixels are, it is whitened much as before
+    assert found[1, -1, -1] == pytest.approx(whole[1, -1, -1], rel=0.05)
