@@ -89,10 +89,11 @@ def _between(one: Interval, low: float, high: float) -> Interval:
     parameter = one.parameter
     return replace(
         one,
-        low=max(low, parameter.low),
-        high=min(high, parameter.high),
-        open_low=low <= parameter.low,
-        open_high=high >= parameter.high,
+        # of a place in the image the range is computed: files take no numbers of NumPy
+        low=float(max(low, parameter.low)),
+        high=float(min(high, parameter.high)),
+        open_low=bool(low <= parameter.low),
+        open_high=bool(high >= parameter.high),
     )
 
 

@@ -109,3 +109,22 @@ def test_there_is_room_for_an_error_that_no_detector_sees(
     assert new.high - new.value == pytest.approx(np.hypot(old.high - old.value, room))
     assert new.value - new.low == pytest.approx(np.hypot(old.value - old.low, room))
     assert new.value == old.value
+
+
+def test_an_interval_is_of_plain_numbers_whatever_its_range_is_of(
+    seen: tuple[Baseline, Signature, Refit],
+) -> None:
+    """That of a place in the image is computed; a file of the model refuses numbers of NumPy."""
+    plain, _, refit = seen
+    known = tuple(
+        replace(
+            one,
+            parameter=replace(
+                one.parameter, low=np.float64(one.parameter.low), high=np.float64(9.0)
+            ),
+        )
+        for one in intervals_of(plain, refit)
+    )
+    for one in roomier(refit, known):
+        types = [type(of) for of in (one.low, one.high, one.open_low, one.open_high)]
+        assert types == [float, float, bool, bool]
