@@ -750,7 +750,7 @@ def _only_law(judge: _Judge, chosen: Candidate, rival: Candidate, seed: int) -> 
 
 
 def _another_law(chosen: Candidate, other: Candidate) -> bool:
-    """Whether a set is another one but for laws of the same physics, and nearly as likely.
+    """Whether another set differs only in the laws that it takes for the same physics, and is nearly as likely.
 
     No law is quite the true one: which of two is nearer on these pushes does not tell which it is.
     """
@@ -761,7 +761,7 @@ def _another_law(chosen: Candidate, other: Candidate) -> bool:
 
 
 def _law_open(judge: _Judge, chosen: Candidate, other: Candidate) -> bool:
-    """Whether such a set explains as much, but for what any law mops up of another's form."""
+    """Whether a set with other laws of the same physics explains as much, up to what one law takes up of another's form."""
     least = judge.share(chosen.effects) - _MEMBER_SHARE
     return _another_law(chosen, other) and judge.share(other.effects) > least
 

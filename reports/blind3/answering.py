@@ -22,10 +22,9 @@ def diagnosed(folder: Path, *, quick: bool) -> Values:
     """What `diagnose` says of a set, as a user would run it."""
     clock, cpu = time.perf_counter(), time.process_time()
     try:
-        found = meso_robust.diagnose(folder, quick=quick).document.model_dump(
-            mode="json", by_alias=True
-        )
-        answer = told(found)
+        found = meso_robust.diagnose(folder, quick=quick)
+        answer = told(found.document.model_dump(mode="json", by_alias=True))
+        found.files()  # as `save` writes them: a fault there is no answer either
     except Exception as problem:  # a crash is an answer that is scored
         answer = {"verdict": "none", "error": f"{type(problem).__name__}: {problem}"}
     return {
