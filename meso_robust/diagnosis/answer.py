@@ -15,7 +15,8 @@ from meso_robust.diagnosis.detect import ALARM
 from meso_robust.diagnosis.diagnose import Diagnosis, diagnose
 from meso_robust.diagnosis.document import SCHEMA, DiagnosisDocument
 from meso_robust.diagnosis.folds import RollOut
-from meso_robust.diagnosis.grading import NAMED, SURE, Explained, Grade
+from meso_robust.diagnosis.grading import Grade
+from meso_robust.diagnosis.judge import NAMED, SURE, Explained
 from meso_robust.diagnosis.next_push import next_experiment
 from meso_robust.diagnosis.refit import Refit
 from meso_robust.diagnosis.rejection import Rejection

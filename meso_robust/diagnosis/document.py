@@ -18,6 +18,8 @@ Channel: TypeAlias = Literal[
 PhaseName: TypeAlias = Literal["approach", "one_point", "two_point", "retract", "rest"]
 Component: TypeAlias = Literal["x", "y", "theta"]
 Verdict: TypeAlias = Literal["consistent", "named", "partial", "ambiguous", "unknown"]
+SWAY_SHARE = 0.5
+"""Of the square of what is left, from which on a sway is what is wrong."""
 
 Probability = Annotated[FiniteFloat, Field(ge=0, le=1)]
 Count = Annotated[int, Field(ge=0)]

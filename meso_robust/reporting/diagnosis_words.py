@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 from meso_robust.diagnosis.document import (
+    SWAY_SHARE,
     DiagnosisDocument,
     EffectSection,
     HeldOutSection,
@@ -63,7 +64,6 @@ _UNITS = {"_um2": " µm²", "_um_s": " µm/s", "_um": " µm", "_deg": "°", "_ms
 
 
 _STILL = "keep the camera, the stage and the table still, and record again"
-_MOSTLY = 0.5  # of the square of what is left, from which on a sway is what is wrong
 
 
 def answer(document: DiagnosisDocument) -> str:
@@ -96,7 +96,7 @@ def _shakes(document: DiagnosisDocument) -> bool:
         left is not None
         and sway is not None
         and left.stage == "observation"
-        and sway**2 >= _MOSTLY * left.um**2
+        and sway**2 >= SWAY_SHARE * left.um**2
     )
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import pickle
 from dataclasses import replace
+from functools import partial
 from types import SimpleNamespace
 from typing import Any, cast
 
@@ -12,32 +13,16 @@ import pytest
 
 from meso_robust.diagnosis.answer import _why
 from meso_robust.diagnosis.candidates import Candidate, Naming
+from meso_robust.diagnosis.choice import _answer, _holding, earning, in_open_forms, pools, slight
 from meso_robust.diagnosis.diagnose import Diagnosis
 from meso_robust.diagnosis.document import Verdict
-from meso_robust.diagnosis.grading import (
-    Explained,
-    Grade,
-    _answer,
-    _beyond,
-    _earning,
-    _equal,
-    _explained,
-    _floor,
-    _holding,
-    _holds,
-    _in_open_forms,
-    _Judge,
-    _only_law,
-    _pools,
-    _slight,
-    _stage_left,
-    _verdict,
-    _with_more,
-    graded,
-    sized,
-)
+from meso_robust.diagnosis.further import with_more
+from meso_robust.diagnosis.grading import Grade, _stage_left, _verdict, graded, sized
+from meso_robust.diagnosis.judge import Explained, Judge, _floor
 from meso_robust.diagnosis.refit import Refit
 from meso_robust.diagnosis.rejection import Ground, Rejection
+from meso_robust.diagnosis.rivals import equal, holds, only_law
+from meso_robust.diagnosis.sizes import beyond_by_folds
 from meso_robust.diagnosis.trials import Trial
 from meso_robust.recordings import RecordingSet
 from meso_robust.recordings.sway import Sway
@@ -172,14 +157,14 @@ def test_where_the_likeliest_set_fails_the_next_ones_are_asked(
     right = next(one for one in late.naming.candidates if one.effects == ("camera_latency",))
     wrong = next(one for one in late.naming.candidates if "camera_latency" not in one.effects)
 
-    def fails(judge: _Judge, naming: Naming, whole: Candidate, *more: Any, **also: Any) -> Any:
-        return None if whole is wrong else _earning(judge, naming, whole, *more, **also)
+    def fails(judge: Judge, naming: Naming, whole: Candidate, *more: Any, **also: Any) -> Any:
+        return None if whole is wrong else earning(judge, naming, whole, *more, **also)
 
     def sent(function: Any, items: Any) -> list[Any]:
         return [pickle.loads(pickle.dumps(function(item))) for item in items]
 
-    monkeypatch.setattr("meso_robust.diagnosis.grading._earning", fails)
-    monkeypatch.setattr("meso_robust.diagnosis.grading.shared", sent)
+    monkeypatch.setattr("meso_robust.diagnosis.choice.earning", fails)
+    monkeypatch.setattr("meso_robust.diagnosis.judge.shared", sent)
     naming = replace(late.naming, answers=(wrong,), candidates=(wrong, right), best=wrong)
     grade = again(late, naming=naming)
     assert grade.verdict == "named"
@@ -217,7 +202,7 @@ def test_what_a_set_leaves_may_be_at_the_stage_of_its_own_effects(
     assert where is not None
     names, shares = ("camera_latency", "part_yaw"), {"camera_latency": 0.6, "part_yaw": 0.1}
     predicted = {(): plain, names: replace(plain, squares=0.5 * plain.squares)}
-    judge = _Judge(bench, predicted, bench.seen.sum(axis=(1, 2)).astype(float))
+    judge = Judge(bench, predicted, bench.seen.sum(axis=(1, 2)).astype(float))
 
     looked = []
 
@@ -285,7 +270,7 @@ def test_hidden_inputs_that_leave_more_than_a_set_are_no_floor(late: Diagnosis) 
 
 
 @pytest.mark.parametrize(
-    ("general", "special", "holds"),
+    ("general", "special", "held"),
     [
         (("camera_anisotropy",), ("camera_scale",), True),
         (("camera_scale",), ("camera_anisotropy",), False),
@@ -297,10 +282,10 @@ def test_hidden_inputs_that_leave_more_than_a_set_are_no_floor(late: Diagnosis) 
     ],
 )
 def test_a_more_general_law_is_no_rival(
-    general: tuple[str, ...], special: tuple[str, ...], holds: bool
+    general: tuple[str, ...], special: tuple[str, ...], held: bool
 ) -> None:
     one, other = (cast("Candidate", SimpleNamespace(effects=e)) for e in (general, special))
-    assert _holds(one, other) is holds
+    assert holds(one, other) is held
 
 
 def test_what_does_not_help_in_every_fold_is_not_named() -> None:
@@ -313,7 +298,7 @@ def stood(
     floor: float = 100.0,
     lost: tuple[tuple[str, ...], ...] = (),
     chance: float = 50.0,
-) -> _Judge:
+) -> Judge:
     """A judge of eight recordings, a fold each, that has predicted some sets, some of them in vain."""
     made = SimpleNamespace(
         floor=np.full(8, floor),
@@ -326,7 +311,9 @@ def stood(
         lessens=lambda names: sum(sums[names][:3]) < sum(sums[()][:3]),
         bench=SimpleNamespace(fold=np.arange(8), count=8),
     )
-    return cast(_Judge, made)
+    for name in ("by_fold", "surely_worse", "explained"):
+        setattr(made, name, partial(getattr(Judge, name), made))
+    return cast(Judge, made)
 
 
 def stated(*names: str, gain: float, ground: Ground | None = None) -> Candidate:
@@ -346,7 +333,7 @@ NOISE = [101.0, 96.0, 104.0, 103.0, 99.0, 101.0, 99.0, 98.0]
 
 def test_a_share_that_two_pushes_of_eight_tell_is_told() -> None:
     """One edge of four is wrong: a tenth of all draws with replacement have no push on it."""
-    found = _explained(stood({(): PLAIN, ("part_geometry",): NOISE}), ("part_geometry",), 0)
+    found = stood({(): PLAIN, ("part_geometry",): NOISE}).explained(("part_geometry",), 0)
     assert found.share == pytest.approx(1.0, abs=0.01)
     assert 0.97 < found.low <= found.share <= found.high
 
@@ -413,7 +400,7 @@ def test_a_set_carries_over_if_neither_place_nor_turn_gets_worse(
     held = bench.held_out[:, None, None]
     own = of * np.where(held, [place, place, turn], 0.1)  # those of the fit do not count
     before, after = (replace(plain, squares=squares) for squares in (of, own))
-    judge = _Judge(bench, {(): before, ("a",): after}, np.zeros(8))
+    judge = Judge(bench, {(): before, ("a",): after}, np.zeros(8))
     assert judge.carries(("a",)) is carries
 
 
@@ -430,7 +417,7 @@ def test_what_two_held_out_recordings_spoke_against_is_asked_in_every_fold() -> 
     far = stated("c", gain=900.0, ground=Ground.HELD_OUT_WORSE)
     other = stated("d", gain=999.0, ground=Ground.MISMATCH_LEFT)
     naming = contest(a, other, near, far, answers=(a,))
-    first, (asked, then) = _pools(naming, True)
+    first, (asked, then) = pools(naming, True)
     assert first == (naming, (a, near))
     assert asked is not None
     assert (asked.answers, then) == ((), (a, other, near, far))
@@ -445,19 +432,19 @@ def test_of_two_laws_that_are_alike_where_they_were_fitted_other_recordings_tell
     judge = stood({(): PLAIN, ("a",): NOISE, ("b",): worse})
     a, less, more = stated("a", gain=1000.0), stated("b", gain=1003.0), stated("b", gain=1007.0)
     # by what a simulator of finite steps does not know
-    assert not _equal(judge, a, less, 0)
+    assert not equal(judge, a, less, 0)
     # no witness against a law that is the likelier one
-    assert _equal(judge, a, more, 0)
+    assert equal(judge, a, more, 0)
     assert _answer(judge, contest(a, less, answers=(a, less)), (a, less), 0) == (a, (), True)
     assert _answer(judge, contest(a, more, answers=(a, more)), (a, more), 0) == (a, (more,), True)
     # nor is what noise makes
-    assert _equal(stood({(): PLAIN, ("a",): NOISE, ("b",): worse}, chance=170.0), a, less, 0)
+    assert equal(stood({(): PLAIN, ("a",): NOISE, ("b",): worse}, chance=170.0), a, less, 0)
     # nor is what leaves something itself
     half = [one + 10.0 for one in NOISE]
-    assert _equal(stood({(): PLAIN, ("a",): half, ("b",): worse}), a, less, 0)
+    assert equal(stood({(): PLAIN, ("a",): half, ("b",): worse}), a, less, 0)
     # nor is one recording
     once = [*NOISE[:2], NOISE[2] + 200.0, *(one - 2.0 for one in NOISE[3:])]
-    assert _equal(stood({(): PLAIN, ("a",): NOISE, ("b",): once}), a, less, 0)
+    assert equal(stood({(): PLAIN, ("a",): NOISE, ("b",): once}), a, less, 0)
 
 
 @pytest.mark.parametrize("behind", [20.0, 40.0])
@@ -468,8 +455,7 @@ def test_no_law_is_put_aside_before_each_form_that_the_fits_leave_open_was_asked
     sums = {(): PLAIN, ("a",): NOISE, ("b",): worse}
     judge = cast(Any, stood(sums))
     judge.seen = {(): None}
-    monkeypatch.setattr("meso_robust.diagnosis.grading._Judge", lambda *_: judge)
-    monkeypatch.setattr("meso_robust.diagnosis.grading._floor", lambda *_: None)
+    monkeypatch.setattr("meso_robust.diagnosis.choice.judge_of", lambda *_: judge)
 
     def predicted(_: Any, seen: dict[Any, Any], pool: tuple[Candidate, ...]) -> Any:
         """The other form leaves no more than noise."""
@@ -478,7 +464,7 @@ def test_no_law_is_put_aside_before_each_form_that_the_fits_leave_open_was_asked
         sums[form.effects] = NOISE
         return pool
 
-    monkeypatch.setattr("meso_robust.diagnosis.grading._predicted", predicted)
+    monkeypatch.setattr("meso_robust.diagnosis.choice.with_predictions", predicted)
     a, b = (
         Candidate(refit=Refit(trials=(Trial(effect=name, sizes={}),), gain=gain, **nothing))
         for name, gain in (("a", 1000.0), ("b", 999.0))
@@ -486,7 +472,7 @@ def test_no_law_is_put_aside_before_each_form_that_the_fits_leave_open_was_asked
     )
     other = replace(b.refit, gain=1000.0 - behind)
     b = replace(b, refit=replace(b.refit, others=(other,)))
-    found, turned = _in_open_forms(contest(a, b, answers=(a, b)), (a, b), judge, None, 0)
+    found, turned = in_open_forms(contest(a, b, answers=(a, b)), (a, b), judge, None, 0)
     assert found[0] is a
     if behind > 25.0:
         assert (found[1], turned) == ((), {})
@@ -515,7 +501,7 @@ def test_of_sets_that_explain_alike_what_is_known_is_told(
     own, other = (stated(*names.split(), gain=1000.0) for names in (chosen, rival))
     worse = [one + 60.0 for one in NOISE]
     judge = stood({(): PLAIN, own.effects: worse, other.effects: [one + left for one in worse]})
-    assert _only_law(judge, own, other, 0) is told
+    assert only_law(judge, own, other, 0) is told
 
 
 def test_a_rival_that_leaves_the_law_open_makes_an_answer_partial(
@@ -528,7 +514,7 @@ def test_a_rival_that_leaves_the_law_open_makes_an_answer_partial(
     )
     for rivals, verdict in (((wider,), "partial"), ((wider, other), "ambiguous")):
         monkeypatch.setattr(
-            "meso_robust.diagnosis.grading._answer", lambda *_, of=rivals: (right, of, True)
+            "meso_robust.diagnosis.choice._answer", lambda *_, of=rivals: (right, of, True)
         )
         found = replace(late, grade=again(late))
         assert found.verdict == verdict
@@ -548,10 +534,10 @@ def test_a_law_is_open_where_another_one_of_the_same_physics_explains_nearly_as_
     judge = stood(
         {(): PLAIN, ("body_force",): NOISE, ("film_flow",): nearly, ("drag_gradient",): nearly}
     )
-    assert _equal(judge, own, other, 0)
-    assert not _equal(judge, own, less, 0)
-    assert not _equal(judge, own, foreign, 0)
-    assert not _equal(
+    assert equal(judge, own, other, 0)
+    assert not equal(judge, own, less, 0)
+    assert not equal(judge, own, foreign, 0)
+    assert not equal(
         stood({(): PLAIN, ("body_force",): NOISE, ("film_flow",): worse}), own, other, 0
     )
     # among the answers of a competition, too, and asked where it put the other law aside
@@ -562,7 +548,7 @@ def test_a_law_is_open_where_another_one_of_the_same_physics_explains_nearly_as_
     )
     aside = stated("film_flow", gain=960.0, ground=Ground.MISMATCH_LEFT)
     naming = contest(own, aside, foreign, answers=(own,))
-    first, (asked, then) = _pools(naming, True)
+    first, (asked, then) = pools(naming, True)
     assert first == (naming, (own, aside))
     assert asked is not None
     assert set(then) == {own, aside, foreign}
@@ -572,7 +558,7 @@ def test_a_law_is_open_where_another_one_of_the_same_physics_explains_nearly_as_
         stated(name, gain=gain)
         for name, gain in (("a", 999.0), ("b", 998.0), ("c", 997.0), ("d", 996.0))
     ]
-    ((_, then),) = _pools(contest(own, *many, aside), True)
+    ((_, then),) = pools(contest(own, *many, aside), True)
     assert then == (own, *many[:3], aside)
 
 
@@ -589,8 +575,8 @@ def test_laws_of_one_physics_are_no_reason_to_tell_less() -> None:
 def test_what_does_not_carry_over_is_no_rival() -> None:
     sums = {(): PLAIN, ("a",): NOISE, ("b",): NOISE}
     a, b = stated("a", gain=1000.0), stated("b", gain=1002.0)
-    assert _equal(stood(sums), a, b, 0)
-    assert not _equal(stood(sums, lost=(("b",),)), a, b, 0)
+    assert equal(stood(sums), a, b, 0)
+    assert not equal(stood(sums, lost=(("b",),)), a, b, 0)
 
 
 def test_of_sets_that_explain_alike_what_all_of_them_hold_explains_a_part() -> None:
@@ -609,12 +595,12 @@ def test_a_member_that_explains_little_beside_the_others_is_told_apart() -> None
     most, some = [2.0 * one for one in NOISE], [20.0 * one for one in NOISE]
     both = stated("a", "b", gain=1000.0)
     judge = stood({(): PLAIN, ("a",): most, ("b",): PLAIN, ("a", "b"): NOISE})
-    assert _slight(judge, both) == ()
+    assert slight(judge, both) == ()
     nearly = [one + 20.0 for one in NOISE]
-    assert _slight(stood({(): PLAIN, ("a",): nearly, ("b",): some, ("a", "b"): NOISE}), both) == (
+    assert slight(stood({(): PLAIN, ("a",): nearly, ("b",): some, ("a", "b"): NOISE}), both) == (
         "b",
     )
-    assert _slight(judge, stated("a", gain=1000.0)) == ()
+    assert slight(judge, stated("a", gain=1000.0)) == ()
 
 
 def extended(late: Diagnosis, monkeypatch: pytest.MonkeyPatch, **given: Any) -> tuple[str, ...]:
@@ -650,11 +636,11 @@ def extended(late: Diagnosis, monkeypatch: pytest.MonkeyPatch, **given: Any) -> 
             if set(base.effects) < set(names) and len(names) == len(base.effects) + 1
         ]
 
-    monkeypatch.setattr("meso_robust.diagnosis.grading.intervals_by_fold", intervals)
+    monkeypatch.setattr("meso_robust.diagnosis.further.intervals_by_fold", intervals)
     a = ones["a",]
     naming = Naming(answers=(), best=a, candidates=(a,), further=further)
-    judge = _Judge(bench, predicted, bench.seen.sum(axis=(1, 2)).astype(float))
-    chosen, beside, alike, _ = _with_more(judge, naming, a, None, matters, 0)
+    judge = Judge(bench, predicted, bench.seen.sum(axis=(1, 2)).astype(float))
+    chosen, beside, alike, _ = with_more(judge, naming, a, None, matters, 0)
     return (
         *(name for name in chosen.effects if name not in beside),
         *(f"({b})" for b in beside),
@@ -719,7 +705,7 @@ def test_of_further_effects_that_are_laws_of_one_physics_the_best_is_told_with_t
     given = {"a": (400.0, 9.0), "a_b": (40.0, 9.0), "a_c": (45.0, 9.0)}
     assert extended(late, monkeypatch, **given) == ("a", "(b)")
     of = {"a": "one", "b": "another", "c": "another"}
-    monkeypatch.setattr("meso_robust.diagnosis.grading.family_of", lambda name: of[name])
+    monkeypatch.setattr("meso_robust.diagnosis.rivals.family_of", lambda name: of[name])
     assert extended(late, monkeypatch, **given) == ("a", "b", "or a+c")
     # it is the last: which law it is would have to be known first
     assert extended(late, monkeypatch, **given, a_b_c=(2.0, 9.0)) == ("a", "b", "or a+c")
@@ -734,8 +720,8 @@ def test_a_part_that_cannot_be_simulated_explains_nothing(
     assert late.naming is not None
     whole = late.naming.candidates[0]
     bench, plain = late.grade.bench, late.grade.plain
-    judge = _Judge(bench, {(): plain}, np.zeros(len(bench.fold)))
-    monkeypatch.setattr("meso_robust.diagnosis.grading.rolled_out", fails)
+    judge = Judge(bench, {(): plain}, np.zeros(len(bench.fold)))
+    monkeypatch.setattr("meso_robust.diagnosis.judge.rolled_out", fails)
     judge.with_part(whole, whole.effects[:1])
     assert judge.share(whole.effects[:1]) == 0.0
 
@@ -752,7 +738,7 @@ def test_a_set_that_does_not_carry_over_is_told_where_it_helps_more_than_one_rec
         sums = {(): plain, ("a",): plain, ("b",): plain, ("a", "b"): left}
         judge = stood(sums, lost=(("a", "b"),))
         assert _holding(judge, contest(both), (both,), 0) == (told, told is None)
-    assert _explained(judge, ("a", "b"), 0).low > 0.5  # by one recording
+    assert judge.explained(("a", "b"), 0).low > 0.5  # by one recording
 
 
 def test_of_sets_that_do_not_carry_over_the_one_of_fewest_effects_is_told() -> None:
@@ -768,7 +754,7 @@ def test_one_effect_that_explains_as_much_as_scores_are_known_is_asked_as_well()
     sets = [stated("a", name, gain=20_000.0) for name in "wxyz"]
     for gain, asked in ((18_950.0, True), (18_850.0, False)):
         singles = [stated("a", gain=19_000.0), stated("b", gain=gain)]
-        ((_, pool),) = _pools(contest(*sets, *singles), quick=True)
+        ((_, pool),) = pools(contest(*sets, *singles), quick=True)
         assert (singles[1] in pool, singles[0] in pool) == (asked, True)
 
 
@@ -785,5 +771,15 @@ def test_of_all_effects_one_is_beyond_nought_in_a_tenth_of_sets_that_hold_none()
     half = 2.015 * np.sqrt(
         5.0 / 6.0 * np.sum((without - without.mean(axis=1)[:, None]) ** 2, axis=1)
     )
-    chance = np.mean(np.abs(drawn.mean(axis=1)) > _beyond(6) * half)
+    chance = np.mean(np.abs(drawn.mean(axis=1)) > beyond_by_folds(6) * half)
     assert chance * len(CATALOGUE) == pytest.approx(0.1, rel=0.15)
+
+
+def test_every_set_that_the_competition_leaves_is_asked_in_the_quick_form_too() -> None:
+    """One that was not would have no roll-outs to be judged by."""
+    left = tuple(stated(name, gain=1000.0) for name in "abcdef")
+    pool = next(pools(contest(*left, answers=left), quick=True))[1]
+    assert pool == left
+    judge = stood({(): PLAIN} | {one.effects: NOISE for one in left[:5]})
+    # the sixth cannot be simulated: it is no answer, and no fault
+    assert _answer(judge, contest(*left, answers=left), left[:5], 0) == (left[0], left[1:5], True)
