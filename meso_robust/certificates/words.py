@@ -129,6 +129,8 @@ _REMEDIES: Mapping[StrEnum, str] = {
     "the task so that more room is left",
     Remedy.LEAVE_SLOT: "the plan is robust away from the slot: widen the slot, or start further from "
     "its mouth, so that the part is straight before it enters",
+    Remedy.RAISE_CAP: "the plan is robust but for the largest force: allow {force_un} µN ([probe] max_force_un), or "
+    "push more slowly ([probe] speed_um_s), as every force grows with the speed",
     Remedy.CHANGE_MOVE: "change the move that is not proved, or let `meso-robust plan` find a plan",
     Remedy.CLEAR_STAGE: "clear away what lies on the stage: the plan is certified without it",
     Remedy.BOUND_EFFECT: "recordings that bound it: `meso-robust identify --design N` proposes pushes",

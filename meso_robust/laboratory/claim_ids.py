@@ -19,6 +19,7 @@ class ClaimId(StrEnum):
     RETRACTS = "retracts"
     ENDS_IN_BOX = "ends_in_box"
     STAYS_IN_TUBE = "stays_in_tube"
+    FORCES_BELOW_CAP = "forces_below_cap"
     REACHES_GOAL = "reaches_goal"
 
 
@@ -29,6 +30,7 @@ _SENTENCES: Mapping[ClaimId, str] = {
     ClaimId.RETRACTS: "probes withdraw clear of the part",
     ClaimId.ENDS_IN_BOX: "ends in its box",
     ClaimId.STAYS_IN_TUBE: "stays in its tube",
+    ClaimId.FORCES_BELOW_CAP: "no tip presses harder than the task allows",
     ClaimId.REACHES_GOAL: "the last pose lies in the goal",
 }
 

@@ -30,6 +30,7 @@ UPPER, LOWER, PASSIVE = 0, 1, 2  # tips of a move
 PHASES = {"regrasp": 1, "tilt": 2, "straighten": 3}  # free, one tip sticks, both stick
 ALIGNED = 0.05  # rad: an edge on both tips leans less than this, as they and their radii differ
 CONTACT = 1e-9  # m: a gap that counts as contact; both engines keep it to less
+HARDER = 1.0 + 1e-6  # times the cap: a force that a step does not tell from it
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -44,6 +45,14 @@ class Claims:
     """Per move (K, 2, 3) slices; during the move every pose lies in one of them."""
     creeps: tuple[float, ...]
     """Per move, m: how far its first contact may slip, over the cube of the sine of the lean; 0: it sticks."""
+
+    @property
+    def cap(self) -> float | None:
+        """Largest force of a tip over the mean drag and the speed of travel; None if none is claimed."""
+        of = self.setup
+        if of.largest_force is None or of.drag is None or of.speed is None:
+            return None
+        return of.largest_force.hi / (of.drag.lo * of.speed.lo)
 
 
 def claims_of(chain: Chain, rules: tuple[MoveRule, ...]) -> Claims:
@@ -194,6 +203,9 @@ def _of_a_move(
         found[ClaimId.ENDS_IN_BOX] = outside(move.after, post[None], slack)
     if tube is not None and move.path.shape[1] > 1:
         found[ClaimId.STAYS_IN_TUBE] = outside(move.path, tube, slack)
+    if post is not None and move.forces is not None and claims.cap is not None:
+        most = np.hypot(*np.moveaxis(move.forces, -1, 0)).max(axis=(1, 2))
+        found[ClaimId.FORCES_BELOW_CAP] = most > HARDER * claims.cap
     return found
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from enum import Enum
 from functools import cache, partial
@@ -29,11 +30,12 @@ from meso_robust.planning.y_translation import y_translation
 from meso_robust.primitives.certify import certify_move
 from meso_robust.primitives.frame import HEADINGS, Frame, Heading
 from meso_robust.primitives.move import MoveRule
-from meso_robust.primitives.names import Named, about
+from meso_robust.primitives.names import Inequality, Named, about
 from meso_robust.primitives.obligation import Step
 from meso_robust.primitives.rotation import opposite
 from meso_robust.primitives.setup import PoseBox, Setup, setup_of
 from meso_robust.task import Task
+from meso_robust.wording import up
 
 SHARES = (1.0, 0.8, 0.6, 0.4, 0.2)  # of the wanted gain: a smaller one costs less room in x
 SMALL_FIRST = SHARES[::-1]  # where the gain is not what leads to the goal
@@ -93,10 +95,14 @@ class Found:
     """What to do if the plan is robust where it was searched and still not certified."""
     searched_s: float | None = None
     """Computing time after which the search for one that holds for the task gave up; None if it did not."""
+    force_n: float | None = None
+    """Bound of all contact forces, N, where that is all that a cap does not allow."""
 
     @property
     def settled_by(self) -> Named:
         """What a user can do if the plan is not certified for the task."""
+        if self.force_n is not None:
+            return about(self.remedy, force_un=up(1e6 * self.force_n, 1))
         if self.scale >= 1.0:
             return about(self.remedy)
         known = {"scale": str(self.scale)}
@@ -130,6 +136,28 @@ def compose(task: Task, search_s: float | None = None) -> Found:
     NotApplicableError
         No primitive can handle the start pose, or no plan was found however small the uncertainties.
     """
+    if task.probe.max_force_un is None:
+        return _composed(task, search_s)
+    found, refused = None, None
+    try:
+        found = _composed(task, search_s)
+    except NotApplicableError as error:
+        refused = error
+    if found is not None and found.scale >= 1.0:
+        return found
+    probe = task.probe.model_copy(update={"max_force_un": None})
+    with suppress(NotApplicableError):
+        free = _composed(task.model_copy(update={"probe": probe}), search_s)
+        if free.scale >= 1.0:
+            most = _largest_force(free.rules, setup_of(task))
+            return replace(free, remedy=Remedy.RAISE_CAP, force_n=most)
+    if found is None:
+        raise refused or _no_plan(task)
+    return found
+
+
+def _composed(task: Task, search_s: float | None) -> Found:
+    """As `compose`; a cap on the forces is asked of every move, as all else is."""
     ways, choices = _ways(task), _choices(task)
     last = cache(partial(_rules, task, ways, choices[-1], REDUCED[-1]))
     settling = None if search_s is None else SETTLING * search_s
@@ -430,6 +458,21 @@ def _proved(rules: Sequence[MoveRule], setup: Setup) -> bool:
             return False
         state = step.post
     return state is not None and state.within(setup.goal)
+
+
+def _largest_force(rules: Sequence[MoveRule], setup: Setup) -> float:
+    """Bound of all contact forces of a plan, N."""
+    state: PoseBox | None = setup.start
+    step: Step | None = None
+    most = 0.0
+    for rule in rules:
+        if state is None:
+            return math.inf
+        step = certify_move(rule, state, setup, step)
+        forces = (one for one in step.obligations if one.inequality is Inequality.FORCE)
+        most = max(most, *(one.proof.box["force"].hi for one in forces), 0.0)
+        state = step.post
+    return most
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -18,6 +18,8 @@ class Remedy(StrEnum):
     """About ``uncertainty`` and ``range`` as well."""
     LEAVE_SLOT = "leave_slot"
     """The plan is robust away from the slot."""
+    RAISE_CAP = "raise_cap"
+    """About ``force_un``, a bound of all contact forces of a plan that is robust without a cap."""
     CHANGE_MOVE = "change_move"
     """Of a plan that someone else made."""
     CLEAR_STAGE = "clear_stage"

@@ -8,6 +8,7 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 
+from meso_robust.bounds import Interval
 from meso_robust.laboratory.ascent import corners
 from meso_robust.laboratory.claim_ids import CARRIED_OUT, REACHES_GOAL, Claim, ClaimId
 from meso_robust.laboratory.claims import Claims
@@ -118,6 +119,19 @@ def test_a_goal_that_is_too_small_is_missed() -> None:
     found = found_with(replace(paper_claims(), setup=setup))
 
     assert broken_claims(found) == {REACHES_GOAL}
+
+
+@pytest.mark.parametrize(("cap_un", "moves"), [(16.0, {3}), (12.0, {1, 2, 3, 4})])
+def test_a_tip_that_presses_harder_than_the_cap_is_noticed(cap_un: float, moves: set[int]) -> None:
+    """One that carries the part along presses with drag and speed: 15 uN here."""
+    allowed = {"largest_force": 1e-6 * cap_un, "drag": 0.2, "speed": 75e-6}
+    known = {name: Interval.point(value) for name, value in allowed.items()}
+    claims = replace(paper_claims(), setup=replace(paper_claims().setup, **known))
+
+    found = broken_claims(found_with(claims, "stepper"))
+
+    assert found == {Claim(ClaimId.FORCES_BELOW_CAP, k) for k in moves}
+    assert not broken_claims(found_with(claims, "events"))  # which keeps no forces
 
 
 def test_friction_that_is_too_low_slips_and_too_high_jams() -> None:

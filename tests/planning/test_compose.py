@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 
 import pytest
@@ -16,8 +17,8 @@ from meso_robust.primitives.frame import WORLD
 from meso_robust.primitives.move import Aim, Point
 from meso_robust.primitives.names import about
 from meso_robust.primitives.setup import setup_of
-from meso_robust.task import Task, load_task
-from meso_robust.tasks import SLOT
+from meso_robust.task import Film, Task, load_task
+from meso_robust.tasks import HEXAGON, SLOT
 from tests.conftest import paper_task
 from tests.nightly import at_night
 from tests.strategies import paper_chain
@@ -153,6 +154,26 @@ def near(one: object, other: object) -> bool:
     if isinstance(one, Aim) and isinstance(other, Aim):
         return one.anchor == other.anchor and abs(one.offset_um - other.offset_um) < 0.21
     return one is other is None
+
+
+def test_a_plan_that_presses_too_hard_says_by_how_much() -> None:
+    """On an even film, of which a root of a sum of squares is nought."""
+    task = load_task(HEXAGON)
+    film = Film(drag_un_s_per_um=0.2)
+
+    def capped(cap_un: float) -> Task:
+        probe = task.probe.model_copy(update={"max_force_un": cap_un})
+        return task.model_copy(update={"probe": probe, "film": film})
+
+    found = compose(capped(15.9))
+
+    # drag, speed and friction of one tip that may press alone with both's force
+    assert found.settled_by == about(Remedy.RAISE_CAP, force_un="16.0")
+    assert 0.2 * 75.0 * math.hypot(1.0, 0.36) == pytest.approx(16.0, abs=0.1)
+    assert certify(found.rules, setup_of(capped(15.9))).verdict is Verdict.UNKNOWN
+    enough = compose(capped(16.0))
+    assert enough.force_n is None
+    assert certify(enough.rules, setup_of(capped(16.0))).verdict is Verdict.PROVED
 
 
 @at_night
