@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from functools import cache
 
 from meso_robust.bounds import Verdict
@@ -13,12 +14,17 @@ from meso_robust.primitives.move import Action, MoveRule
 from meso_robust.primitives.names import Named
 from meso_robust.primitives.setup import setup_of
 from meso_robust.task import Task
+from meso_robust.units import metres
 
 LARGEST = 8.0  # factors beyond it are not tried
 RESOLUTION = 0.02
 TOGETHER, ALONE = 1.25, 2.0
 """First steps up from what is proved: one uncertainty alone bears about twice as much as all together, and
 a factor that is refused is refused early, in a sixth of the time of one that is proved."""
+LEAST_ROUND, FIRST_ROUND = 0.01, 0.2
+"""Shares of a radius by which it is widened first, and then."""
+MOST_OF_SPACING = 0.45
+"""Of the distance of the tips: a larger radius leaves no room between them."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -44,6 +50,9 @@ class Margin:
     """Factor at which the plan was certified when one uncertainty alone was scaled, or all of them."""
     limit: Limit | None
     """What fails first at ``refused``."""
+    radii: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+    """Of tips whose radius is stated exactly, so that no factor widens it: um, the range about it for which
+    the plan was certified, all else as stated."""
 
 
 def margin(rules: Sequence[MoveRule], task: Task) -> Margin:
@@ -62,12 +71,16 @@ def margin(rules: Sequence[MoveRule], task: Task) -> Margin:
     """
     names = list(setup_of(task).uncertainty.stated)
     factor, refused = _search(rules, task, None, 1.0, TOGETHER)
+    passive = any(rule.single is not None for rule in rules)
+    exact = _exact_radii(task, passive) if factor > 0.0 else {}
 
-    def alone(only: str) -> float:
+    def alone(only: str) -> tuple[float, tuple[float, float] | None]:
         # what is proved with all of them scaled is proved with one
-        return _search(rules, task, only, factor, ALONE)[0] if factor > 0.0 else 0.0
+        most = _search(rules, task, only, factor, ALONE)[0] if factor > 0.0 else 0.0
+        return most, _round(rules, task, only, exact[only]) if only in exact else None
 
-    each = dict(zip(names, shared(alone, names), strict=True))
+    told = dict(zip(names, shared(alone, names), strict=True))
+    each = {name: most for name, (most, _) in told.items()}
     binding = min(each, key=lambda name: each[name]) if factor > 0.0 else None
     return Margin(
         factor=factor,
@@ -75,7 +88,43 @@ def margin(rules: Sequence[MoveRule], task: Task) -> Margin:
         binding=binding,
         each=each,
         limit=None if refused is None else _limit(rules, task, refused),
+        radii={name: ends for name, (_, ends) in told.items() if ends is not None},
     )
+
+
+def _exact_radii(task: Task, passive: bool) -> dict[str, float]:
+    """Radii that the task states as one number above nought, um, by the name of the uncertainty."""
+    probe = task.probe
+    stated = {"tip_radius": probe.tip_radius_um}
+    if passive:
+        stated["passive_tip_radius"] = probe.passive_tip_radius_um or probe.tip_radius_um
+    return {name: ends[0] for name, ends in stated.items() if ends and ends[0] == ends[1] > 0.0}
+
+
+def _round(
+    rules: Sequence[MoveRule], task: Task, name: str, radius_um: float
+) -> tuple[float, float]:
+    """The range about a radius, um, in which it may lie alone; that radius only if none was found."""
+    most_um = MOST_OF_SPACING * task.probe.tip_spacing_um
+
+    def ends(share: float) -> tuple[float, float]:
+        reach = math.floor(10.0 * share * radius_um) / 10.0
+        return max(round(radius_um - reach, 3), 0.0), round(radius_um + reach, 3)
+
+    @cache
+    def proved(share: float) -> bool:
+        low, high = ends(share)
+        if high > most_um:
+            return False
+        setup = setup_of(task)
+        wide = metres(low).hull(metres(high))
+        setup = replace(setup, uncertainty=replace(setup.uncertainty, **{name: wide}))
+        if not begins(rules, setup):
+            return False
+        return certify(rules, setup, whole=False).verdict is Verdict.PROVED
+
+    least = LEAST_ROUND
+    return ends(_bisect(proved, least, FIRST_ROUND / least)[0] if proved(least) else 0.0)
 
 
 def _search(

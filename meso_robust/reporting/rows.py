@@ -39,6 +39,7 @@ class MarginRow:
     budget: str
     """The range at that factor, rounded inward: what the laboratory may let it grow to."""
     factor: str
+    """Empty where one value is stated, which no factor widens."""
     percent: float
     """Length of the bar."""
     binds: bool
@@ -59,6 +60,8 @@ def margin_rows(result: Planned) -> MarginRows:
     each = sorted(margin.each_alone.items(), key=lambda item: item[1])
     full = min(max([margin.factor, *margin.each_alone.values(), 1.0]) * 1.05, LARGEST)
     stated = _stated(result)
+    exact = {name for name, (_, ends) in ranges_of(result.task).items() if ends[0] == ends[1]}
+    exact |= {name for name, error in errors_of(result.task).items() if error == 0.0}
     together = factor(margin.factor)
     rows = [MarginRow("all together", "", "", together, 100 * margin.factor / full, False)]
     rows += [
@@ -71,6 +74,20 @@ def margin_rows(result: Planned) -> MarginRows:
             name == margin.binds_first,
         )
         for name, value in each
+        if name not in exact
+    ]
+    radii = result.margin.radii
+    rows += [
+        MarginRow(
+            name.replace("_", " "),
+            stated.get(name, ""),
+            f"{radii[name][0]:g} … {radii[name][1]:g}{unit_of(name)}" if name in radii else "",
+            "",
+            0.0,
+            False,
+        )
+        for name, _ in each
+        if name in exact
     ]
     return MarginRows(tuple(rows), 100 / full)
 
@@ -79,7 +96,7 @@ def _stated(result: Planned) -> dict[str, str]:
     """The task's own ranges, in the words of its file."""
     u = result.task.uncertainty
     found = {
-        name: " … ".join(significant(end) for end in ends) + unit_of(name)
+        name: " … ".join(dict.fromkeys(significant(end) for end in ends)) + unit_of(name)
         for name, (_, ends) in ranges_of(result.task).items()
     }
     found |= {name: f"± {value:g}{unit_of(name)}" for name, value in errors_of(result.task).items()}

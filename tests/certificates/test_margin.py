@@ -10,7 +10,11 @@ import pytest
 from meso_robust.bounds import Verdict
 from meso_robust.certificates import margin as searched
 from meso_robust.certificates.chain import begins, certify
+from meso_robust.certificates.margin import margin
+from meso_robust.planning.compose import compose
 from meso_robust.primitives.setup import setup_of
+from meso_robust.task import load_task
+from meso_robust.tasks import HEXAGON
 from tests.strategies import paper_chain, paper_task
 
 RULES = [step.rule for step in paper_chain().steps]
@@ -66,3 +70,22 @@ def test_what_does_not_begin_is_not_proved() -> None:
         len(certify(RULES, setup_of(task, *at), whole=False).steps)
         for at in ((2.4, "friction"), (1.3,), (1.7, "probe_position"))
     ] == [1, 2, 3]
+
+
+def test_a_radius_that_is_stated_exactly_has_a_range_in_place_of_a_factor() -> None:
+    """What the file may state instead, for the same plan; a part that no passive tip touches says nothing of that."""
+    task = load_task(HEXAGON)
+    plan = compose(task).rules
+
+    found = margin(plan, task).radii
+
+    assert set(found) == {"tip_radius"}
+    low, high = found["tip_radius"]
+    assert (low + high, low < 12.5 < high) == (25.0, True)
+    for out, verdict in ((0.0, Verdict.PROVED), (0.2, Verdict.UNKNOWN)):
+        ends = (low - out, high + out)
+        probe = task.probe.model_copy(
+            update={"tip_radius_um": ends, "passive_tip_radius_um": (12.5, 12.5)}
+        )
+        stated = setup_of(task.model_copy(update={"probe": probe}))
+        assert certify(plan, stated).verdict is verdict

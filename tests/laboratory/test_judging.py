@@ -124,9 +124,9 @@ def test_a_goal_that_is_too_small_is_missed() -> None:
 @pytest.mark.parametrize(("cap_un", "moves"), [(16.0, {3}), (12.0, {1, 2, 3, 4})])
 def test_a_tip_that_presses_harder_than_the_cap_is_noticed(cap_un: float, moves: set[int]) -> None:
     """One that carries the part along presses with drag and speed: 15 uN here."""
-    allowed = {"largest_force": 1e-6 * cap_un, "drag": 0.2, "speed": 75e-6}
-    known = {name: Interval.point(value) for name, value in allowed.items()}
-    claims = replace(paper_claims(), setup=replace(paper_claims().setup, **known))
+    cap, drag, speed = (Interval.point(value) for value in (1e-6 * cap_un, 0.2, 75e-6))
+    setup = replace(paper_claims().setup, largest_force=cap, drag=drag, speed=speed)
+    claims = replace(paper_claims(), setup=setup)
 
     found = broken_claims(found_with(claims, "stepper"))
 

@@ -156,3 +156,23 @@ def test_a_bar_is_as_long_as_its_factor(proved: Planned) -> None:
         expected = told.get(row.name, margin.factor)
         assert row.percent / found.one_percent == pytest.approx(expected, rel=1e-12)
     assert max(row.percent for row in found.rows) < 100.0
+
+
+def test_what_is_stated_exactly_has_no_factor_and_a_radius_its_range(proved: Planned) -> None:
+    probe = proved.task.probe.model_copy(update={"tip_radius_um": (12.5, 12.5)})
+    task = proved.task.model_copy(update={"probe": probe})
+    each = proved.margin.each | {"tip_radius": 8.0, "passive_tip_radius": 8.0}
+    told = proved.certificate.margin.model_copy(update={"each_alone": each})
+    result = replace(
+        proved,
+        task=task,
+        margin=replace(proved.margin, each=each, radii={"tip_radius": (10.4, 14.6)}),
+        certificate=proved.certificate.model_copy(update={"margin": told}),
+    )
+
+    found = {row.name: row for row in rows.margin_rows(result).rows}
+
+    tip, passive = found["tip radius"], found["passive tip radius"]
+    assert (tip.stated, tip.budget, tip.factor) == ("12.5 µm", "10.4 … 14.6 µm", "")
+    assert (passive.budget, passive.factor) == ("", "")
+    assert "× 8" not in report(result)[: report(result).index('id="simulation"')]
