@@ -17,6 +17,10 @@ if TYPE_CHECKING:
     from meso_robust.task import Task
 
 
+AT_MOST_S = 5.0
+"""Of the wait for starts beyond those that the task states."""
+
+
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Driver:
     """Answers sensed poses one after another, for one part after another.
@@ -104,6 +108,10 @@ def drive(task: TaskGiven, plan: StrPath, *, progress: Progress = SILENT) -> Dri
         driver = Driver(controller=controller_of(Path(plan), known), task=known)
         for reply in rehearsed(driver.controller):  # imports and compiles what an answer needs
             _told(reply, known)
+    with progress.doing("looking for further starts that the plan is proved from"):
+        driver.controller.settle(
+            AT_MOST_S
+        )  # later a pose that is one of these is refused, not waited for
     return driver
 
 

@@ -13,6 +13,7 @@ import copy
 import json
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import Future
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
 from threading import Thread
@@ -87,8 +88,8 @@ class Controller(Protocol):
     def answer(self, sensed: Sensed) -> Reply:
         """The next move, the end, or why there is none."""
 
-    def settle(self) -> None:
-        """Wait for what is still worked out beside the answers: for a loop whose answers have a deadline."""
+    def settle(self, seconds: float | None = None) -> None:
+        """Wait for what is still worked out beside the answers, for so long at most: for a loop with a deadline."""
 
 
 def controller_of(path: Path, task: Task) -> Controller:
@@ -179,7 +180,7 @@ class PolicyController:
         """A pose that gets a move."""
         return _middle(self._policy.cells[-1].sensed)
 
-    def settle(self) -> None:
+    def settle(self, seconds: float | None = None) -> None:
         """Nothing is worked out beside the answers."""
 
     @property
@@ -237,7 +238,8 @@ class PlanController:
     """Answers from a plan of one move after the other, certified from a box of starts.
 
     The task states a box of starts; the plan is mostly proved from many more, which takes seconds to
-    find. That is done beside the first answers, and waited for where a part lies outside the stated ones.
+    find, or half a minute. That is done beside the first answers; a part outside the stated ones is refused until
+    then, since no answer may be waited for.
     """
 
     def __init__(self, rules: tuple[MoveRule, ...], task: Task) -> None:
@@ -267,9 +269,10 @@ class PlanController:
         """A pose that gets a move."""
         return self._likely
 
-    def settle(self) -> None:
-        """Wait until all starts are found."""
-        self._widest.result()
+    def settle(self, seconds: float | None = None) -> None:
+        """Wait until all starts are found, for so long at most."""
+        with suppress(TimeoutError):
+            self._widest.result(seconds)
 
     @property
     def starts(self) -> PoseBox:
@@ -282,11 +285,12 @@ class PlanController:
             return self._last[1]
         angle = self._boxes[self._made].theta
         boxes = list(sensed.around(angle.mid - np.pi, angle.mid + np.pi))
-        reply = self._next(boxes)
+        settled = self._widest.done()
+        reply = self._next(boxes, settled)
         if isinstance(reply, Move):
             self._last = sensed.numbers, reply
             return reply
-        ended = reply or Refused(why=self._why(boxes))
+        ended = reply or Refused(why=self._why(boxes, settled))
         self._made, self._last = 0, None
         return ended
 
@@ -295,14 +299,14 @@ class PlanController:
         """Whether the last move leaves the part where it is, so that the next pose may be the same."""
         return self._made > 0 and self._rules[self._made - 1].action == "regrasp"
 
-    def _next(self, boxes: list[PoseBox]) -> Reply | None:
+    def _next(self, boxes: list[PoseBox], settled: bool) -> Reply | None:
         """What follows from a pose, of which the boxes are the same but for full turns."""
         for box in boxes:
             possible, last = true_poses(box, self._setup), len(self._rules)
             if self._made and meet(self._boxes[self._made], possible):
                 now = common(self._boxes[self._made], possible)
                 return Done(within=now) if self._made == last else self._move(self._made, box, now)
-        for stages in self._from():
+        for stages in self._from(settled):
             for box in boxes:
                 exactly = _exactly(box, self._setup)
                 if exactly.within(stages[0]):
@@ -310,9 +314,10 @@ class PlanController:
                     return self._move(0, box, exactly)
         return None
 
-    def _from(self) -> Iterator[Stages]:
+    def _from(self, settled: bool) -> Iterator[Stages]:
         yield self._stated
-        yield self._widest.result()
+        if settled:
+            yield self._widest.result()
 
     def _move(self, number: int, box: PoseBox, now: PoseBox) -> Move:
         rule, pre, post = self._rules[number], self._boxes[number], self._boxes[number + 1]
@@ -321,15 +326,21 @@ class PlanController:
         self._made = number + 1
         return Move(rule=rule, sensed=box, expect=expected(rule, now, pre, post) if free else post)
 
-    def _why(self, boxes: Iterable[PoseBox]) -> str:
+    def _why(self, boxes: Iterable[PoseBox], settled: bool) -> str:
         u = self._setup.uncertainty
-        first = self.starts
+        first = self.starts if settled else self._stated[0]
         narrow = [side.width for side in (u.sensed_position, u.sensed_orientation)]
         inner = PoseBox(
             x=_inner(first.x, 0.5 * narrow[0]),
             y=_inner(first.y, 0.5 * narrow[0]),
             theta=_inner(first.theta, 0.5 * narrow[1]),
         )
+        if not self._made and not settled:
+            return (
+                "the sensed pose lies outside the starts that the task states: "
+                + beyond(boxes, [inner])
+                + "; whether the plan is proved from there as well is being worked out: ask again"
+            )
         if not self._made:
             return "the sensed pose lies outside the certified starts: " + beyond(boxes, [inner])
         now = sensed_poses(self._boxes[self._made], self._setup)

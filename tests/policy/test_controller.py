@@ -41,9 +41,12 @@ def test_the_same_line_again_gets_the_same_move_though_it_could_be_the_end_too()
     assert isinstance(controller.answer(IN_GOAL), Done)
 
 
-def short_push() -> PlanController:
+def short_push(settled: bool = True) -> PlanController:
     """A plan of one push so short that the poses before and after it overlap."""
-    return PlanController((PUSH,), short_push_task())
+    plan = PlanController((PUSH,), short_push_task())
+    if settled:
+        plan.settle()
+    return plan
 
 
 def short_push_task() -> Task:
@@ -74,7 +77,7 @@ def test_a_part_at_the_stated_start_is_answered_before_other_starts_are_found(
     wide, not_yet = Future[tuple[PoseBox, ...]](), Future[tuple[PoseBox, ...]]()
     not_yet.set_exception(AssertionError("other starts were asked for"))
     monkeypatch.setattr("meso_robust.policy.controller._beside", lambda work: not_yet)
-    plan = short_push()
+    plan = short_push(settled=False)
 
     first = plan.answer(STATED)
     assert isinstance(first, Move)
@@ -99,10 +102,30 @@ def test_what_goes_wrong_while_starts_are_looked_for_is_told_to_who_asks(
 
     monkeypatch.setattr("meso_robust.policy.controller._widest", fails)
 
+    plan = short_push(settled=False)
     with pytest.raises(ArithmeticError, match="no bound"):
-        short_push().answer(AT_START)
+        plan.settle()
     with pytest.raises(ArithmeticError, match="no bound"):
-        short_push().settle()
+        plan.answer(AT_START)
+
+
+def test_no_answer_is_waited_for(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A part outside the stated starts is refused as long as others are looked for, and told so."""
+    wide = Future[tuple[PoseBox, ...]]()
+    monkeypatch.setattr("meso_robust.policy.controller._beside", lambda work: wide)
+    plan = short_push(settled=False)
+    plan.settle(0.01)
+
+    early = plan.answer(AT_START)
+
+    assert isinstance(early, Refused)
+    assert "outside the starts that the task states" in early.why
+    assert "ask again" in early.why
+    stated = _stages((PUSH,), setup_of(short_push_task()))
+    assert stated is not None
+    room = Interval(-5e-6, 5e-6)
+    wide.set_result(tuple(replace(box, x=box.x + room) for box in stated))
+    assert isinstance(plan.answer(AT_START), Move)
 
 
 @pytest.mark.parametrize("end", ["done", "refused"])
