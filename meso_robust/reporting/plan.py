@@ -20,7 +20,7 @@ from meso_robust.reporting.tube_figures import (
     spread_figure,
     tube_figure,
 )
-from meso_robust.reporting.view import engine, view
+from meso_robust.reporting.view import engine, held, view
 from meso_robust.reporting.words import MINUS, QUANTITIES, factor, number, small
 from meso_robust.transfer.answer import document, worst_words
 from meso_robust.transfer.promise import Promise
@@ -64,6 +64,7 @@ def report(result: Planned, promise: Promise | None = None) -> str:
         promise=None if promise is None else document(promise),
         pictures=pictures,
         view=view(result),
+        held=held(result.setup),
         engine=engine(),
         steps=step_rows(result),
         conditions=conditions(

@@ -21,6 +21,7 @@ from meso_robust.bounds import Interval
 from meso_robust.certificates.document import MarginDocument, StepDocument, name_of
 from meso_robust.certificates.words import words
 from meso_robust.corners import hull
+from meso_robust.laboratory.draws import is_open
 from meso_robust.motion.one_tip import CREEP_MOST
 from meso_robust.pipeline import Planned
 from meso_robust.planning.document import BoxDocument, names_of
@@ -66,6 +67,20 @@ _HEAD = re.compile(r" {4}(\w+)\(")
 def view(result: Planned) -> Markup:
     """The data of the view as JSON for a script element."""
     return embedded(data(result))
+
+
+def held(setup: Setup) -> tuple[str, ...]:
+    """What the promise covers and no slider moves, with what it is in the view's runs."""
+    u = setup.uncertainty
+    uneven = is_open(u.drag_anisotropy)
+    every = (
+        (is_open(u.probe_wander), "a probe that strays from its path (here it goes straight)"),
+        (not setup.friction_common, "friction that changes during a move (here it stays)"),
+        (setup.drag_centre_moves, "a centre of drag that moves (here it stays)"),
+        (uneven, "drag that differs along a direction of the stage (here of the part)"),
+        (setup.corner_radius.hi > 0.0, "corners less round than the most (here they are as round)"),
+    )
+    return tuple(words for stated, words in every if stated)
 
 
 def data(result: Planned) -> Json:

@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+from meso_robust.bounds import Interval
 from meso_robust.pipeline import Planned
 from meso_robust.reporting.plan import report
 from meso_robust.reporting.slim import slim
-from meso_robust.reporting.view import data, view
+from meso_robust.reporting.view import data, held, view
 from tests.browser import Page
 from tests.reporting.javascript import Script
 
@@ -259,3 +261,17 @@ def test_data_states_ranges_in_the_task_s_units(proved: Planned) -> None:
     assert told["ranges"]["sensed_position"] == pytest.approx([-5, 5])
     assert np.abs(told["task"]["corners"]) == pytest.approx(np.array([[808, 418.5]] * 4))
     assert [move["proved"] for move in told["moves"]] == [True] * 4
+
+
+def test_what_is_promised_and_has_no_slider_is_said(proved: Planned, proved_page: str) -> None:
+    assert 'id="held"' not in proved_page  # of the paper's task every error has one
+    stray = Interval(-1e-6, 1e-6)
+    uncertainty = replace(proved.setup.uncertainty, probe_wander=stray, drag_anisotropy=stray)
+    setup = replace(proved.setup, uncertainty=uncertainty, friction_common=False)
+    said = report(replace(proved, setup=setup))
+    said = said[said.index('id="held"') :].partition("</p>")[0]
+    for words in ("a probe that strays", "friction that changes", "a direction of the stage"):
+        assert words in said
+    assert "centre of drag" not in said
+    assert held(setup)
+    assert not held(proved.setup)
