@@ -438,6 +438,11 @@ class Task(_Section):
                 f"probe.max_force_un = {self.probe.max_force_un}: must come with film.drag_un_s_per_um, "
                 "which a force is in proportion to; give the film's drag, or leave out the force"
             )
+        if self.uncertainty.drag_centre_moves and not self.uncertainty.drag_centre_um:
+            raise ValueError(
+                "uncertainty.drag_centre_moves = true: must come with uncertainty.drag_centre_um above 0, how far "
+                "the centre may be off; give it, or leave out that it moves"
+            )
         return self
 
     @property

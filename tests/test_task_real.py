@@ -94,6 +94,10 @@ BAD: dict[str, tuple[dict[str, Any], tuple[str, ...]]] = {
             "give the film's drag",
         ),
     ),
+    "a centre that moves nowhere": (
+        {**ROUND, "uncertainty.drag_centre_moves": True},
+        ("uncertainty.drag_centre_moves = true", "must come with uncertainty.drag_centre_um"),
+    ),
     "whole film anisotropic": (
         {**ROUND, "uncertainty.drag_anisotropy_percent": 100.0},
         ("uncertainty.drag_anisotropy_percent = 100.0", "less than 100"),

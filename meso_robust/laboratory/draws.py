@@ -76,7 +76,18 @@ class Draws:
 
 
 def is_open(range_: Interval) -> bool:
-    """Whether a quantity is uncertain at all."""
+    """Whether a quantity is uncertain at all.
+
+    Parameters
+    ----------
+    range_
+        What it may be.
+
+    Returns
+    -------
+    bool
+        False where it is one number.
+    """
     return range_.hi > range_.lo
 
 

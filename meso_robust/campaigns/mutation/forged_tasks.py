@@ -78,6 +78,7 @@ KEYS: Mapping[str, tuple[str, Callable[[Any, float], Any]]] = {
     "passive_tip_radius_um": ("probe", _radii),
     "tip_spacing_tolerance_um": ("probe", _bound),
     "max_force_un": ("probe", _cap),
+    "drag_un_s_per_um": ("film", _bound),
     "size_tolerance_um": ("part", _bound),
     "squareness_deg": ("part", _bound),
     "corner_radius_um": ("part", _bound),
@@ -107,7 +108,7 @@ def other_task(task: Task, key: str, factor: float) -> Task | None:
         None where the task does not state the quantity, or none of that size can be.
     """
     (section, of), values = KEYS[key], task.to_dict()
-    value = values[section].get(key, False if of is _any_instant else None)
+    value = (values.get(section) or {}).get(key, False if of is _any_instant else None)
     if value is None:
         return None
     values[section][key] = of(value, factor)

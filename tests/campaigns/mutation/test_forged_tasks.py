@@ -42,7 +42,7 @@ def prover() -> Prover:
 
 
 def test_every_quantity_of_real_parts_and_tips_is_forged() -> None:
-    assert {*KEYS} == SCHEMA_2_KEYS | {"friction"}
+    assert {*KEYS} == SCHEMA_2_KEYS | {"friction", "drag_un_s_per_um"}
 
 
 def test_what_is_about_another_task_fits_it(pushed: Original) -> None:
