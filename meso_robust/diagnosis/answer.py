@@ -197,9 +197,9 @@ def _why(found: Diagnosis) -> str:
             f"; at rest the part is seen to sway by {UM * sway.metres:.2g} um at {sway.rate:.2g} Hz, as if "
             "the camera or the stage shook"
         )
-    if grade.chosen is None or grade.explained is None:
-        return "no effect of the catalogue helps on recordings left out of the fit" + reach
-    names, share = " + ".join(grade.chosen.effects), 100.0 * grade.explained.share
+    if found.verdict == "unknown" or grade.chosen is None or grade.explained is None:
+        return _unexplained(grade) + reach
+    names, share = " + ".join(_by_share(grade)), 100.0 * grade.explained.share
     if found.verdict == "ambiguous":
         others = _or((*grade.rivals, *grade.alike))
         return (
@@ -211,9 +211,30 @@ def _why(found: Diagnosis) -> str:
     if found.verdict == "named":
         adequate = grade.chosen.adequate and not grade.chosen.rejected
         return said + (", and leaves nothing that the detector sees" if adequate else reach)
-    if found.verdict == "unknown":
-        return f"{said}: too little for a name{reach}"
     return f"{said}: {_lacking(grade, grade.explained)}{reach}"
+
+
+def _unexplained(grade: Grade) -> str:
+    """What is known of an error that no set of effects explains enough of."""
+    if odd := grade.remainder.odd:
+        return (
+            f"nearly all of the error is in {odd}, and no effect of the catalogue makes it: look at the clock and the "
+            "frames of that recording and at what lay in its way, or leave it out"
+        )
+    if grade.chosen is None or grade.explained is None:
+        return "no effect of the catalogue helps on recordings left out of the fit"
+    names, share = " + ".join(_by_share(grade)), 100.0 * grade.explained.share
+    if share <= 0.0:
+        return (
+            f"{names} fits best where it was fitted, and helps on no recordings left out of the fit"
+        )
+    return f"{names} explains {share:.0f} % of the explainable error of recordings left out of the fit: too little for a name"
+
+
+def _by_share(grade: Grade) -> tuple[str, ...]:
+    """Effects of the chosen set, the one that explains most first."""
+    effects = grade.chosen.effects if grade.chosen else ()
+    return tuple(sorted(effects, key=lambda name: -grade.shares.get(name, 0.0)))
 
 
 def _or(sets: tuple[Candidate, ...]) -> str:
@@ -347,7 +368,9 @@ def _effects(
             "share": found.grade.shares.get(trial.effect),
             "form": _form(trial, best.refit),
         }
-        for trial in best.refit.trials
+        for trial in sorted(
+            best.refit.trials, key=lambda one: -found.grade.shares.get(one.effect, 0.0)
+        )
     )
 
 

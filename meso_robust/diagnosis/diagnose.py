@@ -6,7 +6,7 @@ Each step makes one part from the parts before it: `Baseline` → `Detected` →
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -202,7 +202,7 @@ def diagnose(
     """
     sha256 = set_hash(recordings)
     noise = noise_of(recordings)
-    recordings = with_noise(recordings, noise)
+    recordings = with_noise(_in_order(recordings), noise)
     fitted: frozenset[str] = frozenset()
     while True:
         kept = Store(store, f"{__version__} {sha256} {model} {quick} {seed} {sorted(fitted)}")
@@ -273,6 +273,12 @@ def diagnose(
         known=known,
         residual=law,
     )
+
+
+def _in_order(recordings: RecordingSet) -> RecordingSet:
+    """The recordings by the names of their files: an answer does not depend on the order of a list."""
+    by_name = sorted(recordings.recordings, key=lambda one: one.file)
+    return replace(recordings, recordings=tuple(by_name))
 
 
 def _amiss(plain: Worth, baseline: Baseline) -> frozenset[str]:

@@ -37,11 +37,13 @@ from meso_robust.diagnosis.tangent import Interval
 from meso_robust.identification.prepared import some_of
 from meso_robust.recordings import RecordingSet
 from meso_robust.simulator.catalogue import stage_of
+from meso_robust.types import Floats
 
 RELEVANT = 1e-7
 """m: size of an error that matters, where no noise is known to compare it with."""
 RELEVANT_SHARE = 0.2
 """Of the noise, likewise."""
+_SEVERAL, _NEARLY_ALL = 4, 0.8  # recordings, and the share that one of them has of what is left
 _LOOKED = 8  # recordings in which it is looked for where the rest is, those that have most of it
 
 
@@ -58,6 +60,8 @@ class Remainder:
     spread
         Standard deviation over mean of what is left of one recording: about nought if all pushes are
         wrong alike, more if the rest varies between them.
+    odd
+        File of the one recording that has nearly all of it, of several; empty where none has.
     """
 
     metres: float
@@ -68,6 +72,7 @@ class Remainder:
     phase: str | None
     grows_with: str
     spread: float
+    odd: str = ""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -189,10 +194,12 @@ def graded(
     if chosen is not None:
         alike = tuple(one for one in rivals if only_law(judge, chosen, one, seed))
         rivals = tuple(one for one in rivals if one not in alike)
-    if naming is not None and chosen is not None and not rivals and not alike:
+    if naming is not None and chosen is not None and not rivals and _all_longer(alike, chosen):
         beside = slight(judge, chosen)
-        chosen, more, alike, judge = with_more(judge, naming, chosen, reach, matters, seed)
+        part, longer = chosen, alike
+        chosen, more, alike, judge = with_more(judge, naming, part, reach, matters, seed)
         beside += more
+        alike += tuple(one for one in longer if not _outdone(judge, part, chosen, one, seed))
     explained = judge.explained(chosen.effects, seed) if chosen else None
     effects = chosen.effects if chosen else ()
     by_effect, tables = shapley(judge, chosen, phases(recordings, bench))
@@ -217,6 +224,19 @@ def graded(
         beside=beside,
         alike=alike,
     )
+
+
+def _all_longer(alike: tuple[Candidate, ...], chosen: Candidate) -> bool:
+    """Whether the chosen set may need one effect more, as each of those has that explain as much."""
+    return all(len(one.effects) > len(chosen.effects) for one in alike)
+
+
+def _outdone(judge: Judge, part: Candidate, chosen: Candidate, other: Candidate, seed: int) -> bool:
+    """Whether a set that explains as much as a part of the chosen one explains surely less than the whole, or is it."""
+    if chosen is part:
+        return False
+    same = other.effects == chosen.effects
+    return same or judge.surely_worse(chosen.effects, other.effects, seed)
 
 
 def sized(grade: Grade, known: Sequence[Interval]) -> Grade:
@@ -342,4 +362,10 @@ def _remainder(
         phase=worst.phase if worst else None,
         grows_with=next((one.covariate for one in follows if one.component == component), ""),
         spread=float(each.std() / each.mean()) if np.any(each) else 0.0,
+        odd=judge.bench.prepared.files[int(np.argmax(beyond))] if _in_one(beyond) else "",
     )
+
+
+def _in_one(beyond: Floats) -> bool:
+    """Whether one of several recordings has nearly all of what is left (R,): then it is the recording that is wrong."""
+    return len(beyond) >= _SEVERAL and float(beyond.max()) > _NEARLY_ALL * float(beyond.sum())

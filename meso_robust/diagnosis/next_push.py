@@ -42,6 +42,10 @@ def next_experiment(found: Diagnosis) -> dict[str, object]:
     answers = found.answers
     if len(answers) > 1:
         return _telling(found, answers[0], answers[1])
+    odd = found.grade.remainder.odd
+    if found.verdict == "unknown" and odd:
+        what = f"record the push of {odd} once more, and diagnose the set without that file"
+        return {"why": "one recording is unlike all others", "push": {"what": what}}
     if found.verdict == "unknown":
         worst = next((t for t in found.detected.detection.tests if t.recording >= 0), None)
         file = found.baseline.prepared.files[worst.recording] if worst else "the worst push"

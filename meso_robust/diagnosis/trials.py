@@ -294,6 +294,12 @@ TRIALS: Mapping[str, Try] = {
         formed(
             sized(time_ms=10.0),
             shaped({"time_ms": 10.0}, {"direction_deg": 20.0}, direction_deg=_QUARTERS),
+            shaped(
+                {"time_ms": 10.0},
+                {"direction_deg": 20.0, "across": 0.3},
+                direction_deg=_QUARTERS,
+                across=(0.3,),
+            ),
         ),
     ),
     "backlash": Try(
@@ -325,18 +331,21 @@ TRIALS: Mapping[str, Try] = {
 
 
 BESIDE = frozenset({"registration_shift"})
-"""Effects that are tried beside others only. On most sets a reference offset of the part moves the tips as a shift
-between robot and camera does, and an answer would have to name both; but what a strong effect leaves may be a shift."""
+"""Effects that are tried beside others only where the part lies alike in all recordings. There a reference offset of the
+part moves the tips as a shift between robot and camera does, and an answer would have to name both; but what a strong
+effect leaves may be a shift."""
+_ALIKE = 0.9  # mean of the parts' directions as unit vectors, from which on they lie alike
 NOT_SEARCHED = frozenset({"residual"})
 """Effects that the search leaves out: a residual is no name for anything."""
 
 
 def trials(prepared: Prepared, *, beside: bool = False) -> list[Trial]:
     """Trials of all effects that are tried by themselves, or only beside others, scaled to the recordings."""
+    alike = bool(np.abs(np.mean(np.exp(1j * prepared.starts[:, 2]))) > _ALIKE)
     return [
         trial
         for name in CATALOGUE
-        if name not in NOT_SEARCHED and (name in BESIDE) == beside
+        if name not in NOT_SEARCHED and (name in BESIDE and alike) == beside
         for trial in trials_of(name, prepared)
     ]
 

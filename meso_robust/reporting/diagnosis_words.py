@@ -85,8 +85,7 @@ def _finding(document: DiagnosisDocument) -> str:
     if _shakes(document):
         return f"{unexplained}; {_shaking(document)}"
     spans = document.mismatch.where
-    where = span_words(spans[0]) if spans else "nowhere in particular"
-    return f"{unexplained}; largest in {where}"
+    return f"{unexplained}; largest in {span_words(spans[0])}" if spans else unexplained
 
 
 def _shakes(document: DiagnosisDocument) -> bool:

@@ -1,10 +1,10 @@
 """From commanded to true probe positions: drift, lost motion, and bending under the contact force.
 
 A probe is commanded along straight lines between waypoints. The mount drifts by ``d t``; lost motion
-of width b is the play operator ``u ← min(max(u, w − b/2), w + b/2)`` on each axis; a compliant probe
+of width b is the play operator ``u ← min(max(u, w − b/2), w + b/2)`` on each axis, or on one; a compliant probe
 stands at ``u + C f``, f the force on its tip. With forces over the film's drag the compliance is a
 time, ``C e_x``: the time in which a bent probe that is stopped creeps back. A blade bends across its
-flat side only: C has one direction.
+flat side only, so that C has one direction, and a wire less along its bend than across.
 """
 
 import numpy as np
@@ -23,7 +23,10 @@ ACTUATION = Stage(
             name="probe_compliance",
             equation="tip = driven position + C f, f the force on the tip",
             source="bending of a cantilever, C = L³ / (3 E I)",
-            forms=("bends alike in all directions", "bends along one direction of the stage"),
+            forms=(
+                "bends alike in all directions", "bends along one direction of the stage",
+                "bends less across one direction of the stage",
+            ),
             parameters=(
                 Parameter(
                     key="time_ms", unit="ms", to_si=1e-3, low=0.0,
@@ -31,7 +34,11 @@ ACTUATION = Stage(
                 ),
                 Parameter(
                     key="direction_deg", unit="deg", to_si=_DEG, size=False,
-                    meaning="of a probe that bends along one direction: that one, stage frame",
+                    meaning="of a probe that bends along one direction, or most along it: that one, stage frame",
+                ),
+                Parameter(
+                    key="across", unit="", to_si=1.0, low=0.0, high=1.0, size=False,
+                    meaning="of a probe that bends less across: its compliance there over that along",
                 ),
             ),
         ),
@@ -39,7 +46,10 @@ ACTUATION = Stage(
             name="backlash",
             equation="u ← min(max(u, w − b/2), w + b/2) on each axis",
             source="play operator; M. Brokate, J. Sprekels 1996, doi:10.1007/978-1-4612-4048-8",
-            forms=("on each axis by itself", "within a circle of the diameter b"),
+            forms=(
+                "on each axis by itself", "within a circle of the diameter b", "on the x axis alone",
+                "on the y axis alone",
+            ),
             parameters=(
                 Parameter(key="width_um", unit="µm", to_si=_UM, low=0.0, meaning="b: lost motion"),
             ),
@@ -64,6 +74,7 @@ ACTUATION = Stage(
 COMPLIANCE = ACTUATION.slot("probe_compliance", "time_ms")
 """Column of the compliance times drag, s."""
 _BENT_WAY = ACTUATION.slot("probe_compliance", "direction_deg")
+_ACROSS = ACTUATION.slot("probe_compliance", "across")
 _BENT_FORM = ACTUATION.slot("probe_compliance", FORM)
 _WIDTH = ACTUATION.slot("backlash", "width_um")
 _PLAY_FORM = ACTUATION.slot("backlash", FORM)
@@ -81,9 +92,10 @@ def bending(effects: Floats, cos: float, sin: float) -> tuple[float, float, floa
     c = effects[COMPLIANCE]
     if effects[_BENT_FORM] == 0.0:
         return c, 0.0, c
+    across = effects[_ACROSS] if effects[_BENT_FORM] == 2.0 else 0.0
     wx, wy = np.cos(effects[_BENT_WAY]), np.sin(effects[_BENT_WAY])
-    x, y = cos * wx + sin * wy, cos * wy - sin * wx
-    return c * x * x, c * x * y, c * y * y
+    x, y, less = cos * wx + sin * wy, cos * wy - sin * wx, c * (1.0 - across)
+    return c * across + less * x * x, less * x * y, c * across + less * y * y
 
 
 @sealed
@@ -99,10 +111,10 @@ def drive(effects: Floats, x: float, y: float, played: Floats) -> None:
     played
         (2,) the position behind the play so far, m; receives the new one.
     """
-    half = 0.5 * effects[_WIDTH]
-    if effects[_PLAY_FORM] == 0.0:
-        played[0] = min(max(played[0], x - half), x + half)
-        played[1] = min(max(played[1], y - half), y + half)
+    half, form = 0.5 * effects[_WIDTH], effects[_PLAY_FORM]
+    if form != 1.0:
+        played[0] = x if form == 3.0 else min(max(played[0], x - half), x + half)
+        played[1] = y if form == 2.0 else min(max(played[1], y - half), y + half)
         return
     behind = np.hypot(played[0] - x, played[1] - y)
     if behind > half:

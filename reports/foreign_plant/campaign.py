@@ -1,7 +1,7 @@
 """Plans carried out in the foreign plant: ``python -m reports.foreign_plant.campaign [--runs 10000]``.
 
-Every shipped task (or those of ``--task``) is planned and certified; then the plan is carried out with
-everything uncertain drawn from the task's box, half of the runs within it and half at its corners. A run
+Every shipped task (or those of ``--task``) is planned and certified, and the plans of ``reports/real_paper``
+are certified again; then the plan is carried out with everything uncertain drawn from the task's box, half of the runs within it and half at its corners. A run
 is outside if it is stuck, or lies outside a promised box after a move, or outside the goal at its end, by
 more than its own change in a plant that is four times as fine. ``--radius LOW HIGH`` (um) gives the tips
 other radii than the task states.
@@ -27,16 +27,21 @@ from meso_robust.files import write_all
 from meso_robust.laboratory.draws import Draws, draw, some
 from meso_robust.laboratory.running import PlanRun, excess
 from meso_robust.planning.compose import compose
+from meso_robust.planning.reading import read_plan
+from meso_robust.planning.rules import rules_of
 from meso_robust.plant.kernel import COARSE, FINE
 from meso_robust.primitives.move import MoveRule
 from meso_robust.primitives.setup import PoseBox, Setup, setup_of
 from meso_robust.task import Task, load_task
-from meso_robust.tasks import TASKS
+from meso_robust.tasks import MICROSCOPE, TASKS
 from meso_robust.types import Flags, Floats, Indices
 from meso_robust.units import DEG, UM
 from reports.foreign_plant.running import run_foreign
 
 OUT = Path(__file__).parent
+REAL = OUT.parent / "real_paper"
+KEPT = {REAL / "task.toml": "± 76 um", REAL / "at_38_um" / "task.toml": "± 38 um"}
+"""Tasks whose plans are kept beside them, as these take minutes to find, and their tolerances."""
 CHUNK = 500
 MEASURED = 16  # runs of each chunk that are repeated in the finer plant to measure the error
 SHOWN = np.array([UM, UM, DEG])
@@ -87,9 +92,10 @@ class Outcome:
         return self.stuck + self.outside_box + self.outside_goal
 
 
-def plan_of(task: Task) -> Plan:
-    """Plan and certify a task."""
-    rules, setup = compose(task).rules, setup_of(task)
+def plan_of(task: Task, kept: Path | None = None) -> Plan:
+    """Plan and certify a task, or certify a kept plan for it."""
+    setup = setup_of(task)
+    rules = compose(task).rules if kept is None else rules_of(read_plan(kept, task))
     posts = [s.post for s in certify(rules, setup).steps if s.verdict is Verdict.PROVED]
     none: list[PoseBox | None] = [None] * (len(rules) - len(posts))
     return Plan(task=task, rules=tuple(rules), setup=setup, posts=(*posts, *none))
@@ -240,9 +246,9 @@ def main() -> int:
     parser.add_argument("--out", type=Path, default=OUT)
     asked = parser.parse_args()
     outside = 0
-    for path in asked.task or TASKS:
-        plan = plan_of(load_task(path))
-        name = path.stem
+    for path in asked.task or (*TASKS, MICROSCOPE, *KEPT):
+        plan = plan_of(load_task(path), path.with_name("plan.json") if path in KEPT else None)
+        name = path.stem if path not in KEPT else f"real_paper, {KEPT[path]}"
         if asked.radius is not None:
             name += f", tips of {asked.radius[0]:g} to {asked.radius[1]:g} um instead"
         done = carried_on(plan, asked.runs, asked.seed, asked.radius, name, asked.out)

@@ -11,14 +11,23 @@ from typing import Any, cast
 import numpy as np
 import pytest
 
-from meso_robust.diagnosis.answer import _why
+from meso_robust.diagnosis.answer import _by_share, _why
 from meso_robust.diagnosis.candidates import Candidate, Naming
 from meso_robust.diagnosis.choice import _answer, _holding, earning, in_open_forms, pools, slight
 from meso_robust.diagnosis.diagnose import Diagnosis
 from meso_robust.diagnosis.document import Verdict
 from meso_robust.diagnosis.further import with_more
-from meso_robust.diagnosis.grading import Grade, _stage_left, _verdict, graded, sized
+from meso_robust.diagnosis.grading import (
+    Grade,
+    _all_longer,
+    _outdone,
+    _stage_left,
+    _verdict,
+    graded,
+    sized,
+)
 from meso_robust.diagnosis.judge import Explained, Judge, _floor
+from meso_robust.diagnosis.next_push import next_experiment
 from meso_robust.diagnosis.refit import Refit
 from meso_robust.diagnosis.rejection import Ground, Rejection
 from meso_robust.diagnosis.rivals import equal, holds, only_law
@@ -783,3 +792,42 @@ def test_every_set_that_the_competition_leaves_is_asked_in_the_quick_form_too() 
     judge = stood({(): PLAIN} | {one.effects: NOISE for one in left[:5]})
     # the sixth cannot be simulated: it is no answer, and no fault
     assert _answer(judge, contest(*left, answers=left), left[:5], 0) == (left[0], left[1:5], True)
+
+
+def test_one_recording_that_has_nearly_all_that_is_left_is_told(late: Diagnosis) -> None:
+    assert late.naming is not None
+    none = replace(late.naming, answers=(), candidates=(), best=None)
+    grade = again(late, naming=none)
+    assert grade.remainder.odd == ""
+    bench = grade.bench
+    seen, file = bench.prepared.seen.copy(), bench.prepared.files[2]
+    seen[2, -20:, :2] += 500.0 * UM  # of one recording, as where its clock is off
+    moved = replace(bench, prepared=replace(bench.prepared, seen=seen))
+    odd = replace(late, grade=again(replace(late, grade=replace(grade, bench=moved)), naming=none))
+    assert odd.verdict == "unknown"
+    assert odd.grade.remainder.odd == file
+    assert f"nearly all of the error is in {file}" in _why(odd)
+    assert file in str(next_experiment(odd)["push"])
+
+
+@pytest.mark.parametrize(("behind", "kept"), [(60.0, False), (0.0, True)])
+def test_a_set_that_explains_as_much_with_more_is_asked_beside_a_further_effect(
+    behind: float, kept: bool
+) -> None:
+    """Its effects may be what the further one is in truth: where that leaves surely less, they are not told."""
+    part, whole, other = (
+        stated(*names.split(), gain=1000.0) for names in ("a", "a b", "b dry_friction")
+    )
+    assert _all_longer((other,), part)
+    assert not _all_longer((stated("c", gain=1000.0),), part)
+    worse = [one + behind for one in NOISE]
+    judge = stood({(): PLAIN, ("a",): worse, ("a", "b"): NOISE, other.effects: worse})
+    assert _outdone(judge, part, whole, other, 0) is not kept
+    assert _outdone(judge, part, whole, whole, 0)
+    assert not _outdone(judge, part, part, other, 0)
+
+
+def test_the_effect_that_explains_most_is_told_first(late: Diagnosis) -> None:
+    grade = late.grade
+    two = replace(grade, chosen=stated("a", "b", gain=1.0), shares={"a": 0.1, "b": 0.8})
+    assert _by_share(two) == ("b", "a")

@@ -423,6 +423,33 @@ def test_backlash_acts_on_each_axis() -> None:
     np.testing.assert_allclose((tips - [-2e-3, 0.0]) * 1e6, [[28.0, 8.0], [27.0, 9.0]], atol=1e-9)
 
 
+@pytest.mark.parametrize(
+    ("form", "wanted"), [(2.0, [[28.0, 10.0], [27.0, 11.0]]), (3.0, [[30.0, 8.0], [25.0, 9.0]])]
+)
+def test_backlash_of_one_axis_leaves_the_other_as_commanded(
+    form: float, wanted: list[list[float]]
+) -> None:
+    values: Values = {"backlash": {"width_um": 4.0, "form": form}}
+    way = np.array([[[[-2e-3, 0.0]], [[-2e-3 + 30e-6, 10e-6]], [[-2e-3 + 25e-6, 11e-6]]]])
+    push = lifted(values, waypoints=way, times=np.array([[0.0, 1.0, 2.0]]))
+    tips = simulate(push, instants=np.array([[1.0, 2.0]])).tips[0, :, 0]
+    np.testing.assert_allclose((tips - [-2e-3, 0.0]) * 1e6, wanted, atol=1e-9)
+
+
+@pytest.mark.parametrize(("along_deg", "tau"), [(90.0, 0.2), (0.0, 0.05), (180.0, 0.05)])
+def test_a_probe_that_bends_less_across_lags_by_its_compliance_that_way(
+    along_deg: float, tau: float
+) -> None:
+    """A push along y; most compliant along ``along_deg``, a quarter of that across."""
+    v, stop = 75 * UM, 1.6
+    given = {"time_ms": 200.0, "direction_deg": along_deg, "across": 0.25, "form": 2.0}
+    values: Values = {"probe_compliance": given}
+    push = central(values, [0.0, 120.0, 120.0], [0.0, stop, 3.0], time_step=1e-3, step=100 * UM)
+    result = simulate(push, instants=np.array([[1.6]]))
+    lag = v * tau * (1 - np.exp(-stop / tau))
+    assert result.path[0, 0, 1] == pytest.approx(v * stop - lag, abs=0.08 * UM)
+
+
 def test_drift_of_the_mount_moves_a_touching_part() -> None:
     values: Values = {"probe_drift": {"x_um_s": 0.0, "y_um_s": 2.0}}
     push = central(values, [0.0, 0.0], [5.0, 12.0])
