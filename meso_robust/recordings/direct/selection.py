@@ -4,12 +4,13 @@ Frames of one recording err together, so a recording is the unit of chance: unde
 an effect is not there, the signs of the residuals of whole recordings are arbitrary, and the score of
 its columns is compared with scores under flipped signs (Cameron, Gelbach and Miller 2008,
 doi:10.1162/rest.90.3.414). The largest score of all effects is compared with the largest under each
-flip, so that trying many does not find one (Westfall and Young 1993).
+flip, so that trying many does not find one (Westfall and Young 1993). So is the criterion of the best of all sets:
+of a hundred sets one explains a few recordings well, and each member stands the test beside the others.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import combinations
 
@@ -26,6 +27,7 @@ _ALIKE = 2.0  # of the information criterion, within which another set is hardly
 _HUBER = 2.0  # robust standard deviations beyond which a frame counts less
 _PASSES = 4
 _NORMAL = 1.4826
+_EACH = 2  # recordings for each number of a set: what half as many tell, they tell by chance
 _EITHER = (
     frozenset({"tip_radius", "part_geometry"}),
     frozenset({"camera_scale", "camera_anisotropy"}),
@@ -154,9 +156,12 @@ def selected(
         for count in range(most + 1 - len(fixed))
         for chosen in combinations(names, count)
         if not any(pair <= {*fixed, *chosen} for pair in _EITHER)
+        and (not chosen or _EACH * problem.numbers((*fixed, *chosen)) <= problem.recordings)
     ]
     costs = {one: cost for one in sets if (cost := problem.cost(one, possible)) is not None}
     chosen: tuple[str, ...] = min(costs, key=lambda one: (costs[one], len(one)), default=())
+    if len(chosen) > len(fixed) and problem.by_chance(chosen, sets, fixed) > LEVEL:
+        chosen = tuple(fixed)
     while True:
         p_values = {name: problem.p_value(chosen, name) for name in chosen if name not in fixed}
         worst = max(p_values, key=lambda name: p_values[name], default=None)
@@ -271,6 +276,40 @@ class _Problem:
                 observed = float(total @ inverse @ total) / len(places)
         beyond = np.sum(largest >= observed * (1.0 - 1e-12))
         return float((1 + beyond) / (1 + FLIPS))
+
+    def by_chance(
+        self, chosen: tuple[str, ...], sets: Sequence[tuple[str, ...]], fixed: tuple[str, ...]
+    ) -> float:
+        """Share of flips under which the criterion of the best of all sets is as low as that of the chosen one."""
+        at = self._at(fixed)
+        solution = self._solved(at)
+        left = self._scores - self._grams[:, :, at] @ solution
+        whole = self._square - float(solution @ self._scores[:, at].sum(axis=0))
+        across = np.linalg.pinv(self._gram[np.ix_(at, at)]) @ self._gram[at]
+        free = left - left[:, at] @ across
+        spread_ = self._gram - self._gram[:, at] @ across
+        flipped = np.vstack([np.ones(self._recordings), self._signs]) @ free
+        lowest, observed = np.full(1 + FLIPS, np.inf), np.inf
+        for names in sets:
+            own = self._at(tuple(name for name in names if name not in fixed))
+            inverse = np.linalg.pinv(spread_[np.ix_(own, own)], rcond=1e-8, hermitian=True)
+            explained = np.einsum("fi,ij,fj->f", flipped[:, own], inverse, flipped[:, own])
+            rest = np.maximum(1.0 - explained / max(whole, 1e-300), 1e-12)
+            count = self._recordings
+            costs = count * np.log(rest) + len(own) * np.log(max(count, 2))
+            lowest = np.minimum(lowest, costs)
+            if names == chosen:
+                observed = float(costs[0])
+        return float((1 + np.sum(lowest[1:] <= observed + 1e-9)) / (1 + FLIPS))
+
+    @property
+    def recordings(self) -> int:
+        """Number of recordings."""
+        return self._recordings
+
+    def numbers(self, names: tuple[str, ...]) -> int:
+        """How many numbers a set of effects has."""
+        return len(self._at(names))
 
     def _at(self, names: tuple[str, ...]) -> list[int]:
         return [place for name in names for place in self._places[name]]
