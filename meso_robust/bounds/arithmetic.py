@@ -78,22 +78,6 @@ def up(x: float) -> float:
     return r if r == r else np.inf
 
 
-@njit(cache=True, inline="always", error_model="numpy")
-def _sum_down(x: float) -> float:
-    """As `down`, of a sum or difference of doubles: that is exact where the step is lost, as of nought.
-
-    So what is not negative has no negative sum, and the root of a sum of squares a bound at nought.
-    """
-    r = x - abs(x) * EPS
-    return r if r == r else -np.inf
-
-
-@njit(cache=True, inline="always", error_model="numpy")
-def _sum_up(x: float) -> float:
-    r = x + abs(x) * EPS
-    return r if r == r else np.inf
-
-
 @njit(cache=True, error_model="numpy")
 def add(a: float, b: float, c: float, d: float) -> Pair:
     """[a, b] + [c, d].
@@ -108,7 +92,7 @@ def add(a: float, b: float, c: float, d: float) -> Pair:
     lower, upper
         Rounded outward.
     """
-    return _sum_down(a + c), _sum_up(b + d)
+    return down(a + c), up(b + d)
 
 
 @njit(cache=True, error_model="numpy")
@@ -125,7 +109,7 @@ def sub(a: float, b: float, c: float, d: float) -> Pair:
     lower, upper
         Rounded outward.
     """
-    return _sum_down(a - d), _sum_up(b - c)
+    return down(a - d), up(b - c)
 
 
 @njit(cache=True, error_model="numpy")

@@ -11,6 +11,8 @@ from meso_robust.primitives.obligation import Obligation, require_order
 from meso_robust.primitives.setup import Setup
 
 ONE, ZERO = Interval.point(1.0), Interval.point(0.0)
+EVEN = 1e-9
+"""Anisotropy that an even film is taken to have; it adds 1.4e-9 of a force."""
 ALONE, TOGETHER = ("tilt",), ("straighten",)
 """Moves in which one tip pushes, and in which two on one edge do at the end."""
 
@@ -32,8 +34,9 @@ def force_below_cap(rule: MoveRule, setup: Setup) -> tuple[Obligation, ...]:
     if rule.action not in (*ALONE, *TOGETHER):
         return ()
     u = setup.uncertainty
-    uneven, friction = _largest(u.drag_anisotropy), u.friction if rule.action in TOGETHER else ZERO
-    # the bound grows with the size of each of them
+    friction = u.friction if rule.action in TOGETHER else ZERO
+    # the bound grows with the size of each of them, and the root of a sum of squares has none at nought
+    uneven = Interval.point(max(_largest(u.drag_anisotropy).hi, EVEN))
     box = {
         "stretch": uneven,
         "shear": uneven,
