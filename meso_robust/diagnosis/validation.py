@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections import Counter
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -15,7 +14,7 @@ from meso_robust.identification.likelihood import fit
 from meso_robust.identification.models import Model
 from meso_robust.identification.prepared import Prepared, prepare
 from meso_robust.identification.problem import Fits, Settings
-from meso_robust.recordings import Recording, RecordingSet
+from meso_robust.recordings import RecordingSet
 from meso_robust.simulator import Outcome
 from meso_robust.types import Floats
 
@@ -47,10 +46,7 @@ class Split:
 
 
 def split(recordings: RecordingSet, seed: int, fitted: frozenset[str] = frozenset()) -> Split:
-    """Hold out a fifth of the recordings, whole ones, at random, and of every kind of push as few as can be.
-
-    Where two of the three pushes on an edge are held out, its friction may be told by none of the others. The order
-    in which a set lists its recordings is of no account.
+    """Hold out a fifth of the recordings, whole ones, at random; the order in which a set lists them is of no account.
 
     Parameters
     ----------
@@ -66,34 +62,11 @@ def split(recordings: RecordingSet, seed: int, fitted: frozenset[str] = frozense
     by_name = sorted(range(count), key=lambda k: recordings.recordings[k].file)
     order = [by_name[k] for k in np.random.default_rng([seed, count]).permutation(count)]
     able = [k for k in order if recordings.recordings[k].file not in fitted]
-    kinds = [_push(one) for one in recordings.recordings]
-    of_kind = Counter(kinds)
-    left, chosen = of_kind.copy(), set[int]()
-    while len(chosen) < min(spared, len(able)):
-        best = max(
-            (k for k in able if k not in chosen),
-            key=lambda k: left[kinds[k]] / of_kind[kinds[k]] - 1.0 / of_kind[kinds[k]],
-        )
-        chosen.add(best)
-        left[kinds[best]] -= 1
+    chosen = set(able[:spared])
     return Split(
         training=_of(recordings, [k for k in range(count) if k not in chosen]),
         held_out=_of(recordings, sorted(chosen)) if spared else None,
     )
-
-
-def _push(recording: Recording) -> tuple[int, int]:
-    """How many tips push a part, and on which of its four sides."""
-    way = np.zeros((recording.probes.shape[1], 2))
-    for tip, path in enumerate(np.moveaxis(recording.probes, 1, 0)):
-        seen = path[np.all(np.isfinite(path), axis=1)]
-        way[tip] = seen[-1] - seen[0] if len(seen) else 0.0
-    far = np.hypot(*way.T)
-    pushing = int(np.sum(far > 0.5 * far.max(initial=0.0)))
-    turned = recording.poses[:, 2][np.isfinite(recording.poses[:, 2])]
-    x, y = way[np.argmax(far)] if len(far) else (0.0, 0.0)
-    heading = np.arctan2(y, x) - (turned[0] if len(turned) else 0.0)
-    return pushing, int(np.round(heading / (0.5 * np.pi))) % 4
 
 
 def without(recordings: RecordingSet, left_out: set[str]) -> RecordingSet:

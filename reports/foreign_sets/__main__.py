@@ -23,6 +23,9 @@ CASES: dict[str, tuple[Concealed, Wrongs]] = {
     "part 12 µm wider": (Concealed(wider_um=12.0), NONE),
     "camera 120 ms late, small wrongs": (Concealed(latency_ms=120.0), Wrongs()),
     "drag ± 15 % at 20°, small wrongs": (Concealed(anisotropy=0.15), Wrongs()),
+    "camera 9, −6 µm beside the robot, small wrongs": (Concealed(shift_um=(9.0, -6.0)), Wrongs()),
+    "x axis with 10 µm of play, small wrongs": (Concealed(play_x_um=10.0), Wrongs()),
+    "one edge with half the friction, small wrongs": (Concealed(edge_friction=-0.5), Wrongs()),
     "drag ± 15 % at 20°, camera turned by 0.6°, small wrongs": (
         Concealed(anisotropy=0.15, camera_turn_deg=0.6),
         Wrongs(),

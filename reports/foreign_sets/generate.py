@@ -49,13 +49,13 @@ class Concealed:
     camera_scale: float = 0.0
     latency_ms: float = 0.0
     wider_um: float = 0.0
-    soft_ms: float = 0.0
     anisotropy: float = 0.0
     anisotropy_deg: float = 20.0
     edge_friction: float = 0.0
-    along_um: float = 0.0
     centre_um: tuple[float, float] = (0.0, 0.0)
     drift_um_s: tuple[float, float] = (0.0, 0.0)
+    shift_um: tuple[float, float] = (0.0, 0.0)
+    play_x_um: float = 0.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -132,14 +132,15 @@ def _pushed(
     mu = MU * (1.0 + (concealed.edge_friction if k % 4 == 0 else 0.0))
     instants = times - 1e-3 * concealed.latency_ms
     seen_tips = start + np.interp(instants, clock, along)[:, None] * ahead
-    late = seen_tips - (1e-3 * concealed.soft_ms) * 0.0
-    poses = _moved(pose, late, speed, mu, concealed, wrongs, pushes.tip_radius_um)
+    seen_tips[:, 0] = _carried(seen_tips[:, 0], concealed.play_x_um)
+    poses = _moved(pose, seen_tips, speed, mu, concealed, wrongs, pushes.tip_radius_um)
     poses[:, :2] += np.array(concealed.drift_um_s) * times[:, None]
     poses[:, :2] = (
         (1.0 + concealed.camera_scale)
         * poses[:, :2]
         @ _turn(np.radians(concealed.camera_turn_deg)).T
     )
+    poses[:, :2] += concealed.shift_um
     poses[:, 2] += np.radians(concealed.camera_turn_deg)
     noise = rng.normal(size=poses.shape) * [SIGMA_UM, SIGMA_UM, np.radians(SIGMA_DEG)]
     stamps = times + 1e-3 * wrongs.jitter_ms * rng.uniform(-1.0, 1.0, len(times))
@@ -152,6 +153,15 @@ def _pushed(
         poses=(poses + noise) * [UM, UM, 1.0],
         probes=logged[:, None] * UM,
     )
+
+
+def _carried(screw: Floats, play: float) -> Floats:
+    """Where a slide stands that a nut carries by one flank or the other, at first by that behind it."""
+    at, path = screw[0], []
+    for place in screw:
+        at = min(max(at, place - play), place)
+        path.append(at)
+    return np.array(path)
 
 
 def _moved(

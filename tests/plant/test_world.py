@@ -44,7 +44,7 @@ def test_names_and_parameters_are_those_of_the_catalogue() -> None:
         # the plant has one form of each law, and turns and scales an image about the origin of the stage
         other = {"turned", "form", "about_x_um", "about_y_um", "time_s", "growth_um_s_per_mm"}
         if name in ("probe_compliance", "body_force"):
-            other.add("direction_deg")  # of their other forms
+            other |= {"direction_deg", "across"}  # of their other forms
         keys = {parameter.key for parameter in CATALOGUE[name].parameters} - other
         assert set(defaults) == keys, name
         for parameter in CATALOGUE[name].parameters:

@@ -66,7 +66,8 @@ def test_pushes_end_in_the_proved_boxes_wherever_the_centre_is_at_each_instant(
 ) -> None:
     """And, where there is little else, not in those of a centre that is known to be the reference point."""
     tasks = [
-        task(FULL, *more, MOVING, {"uncertainty": {"drag_centre_um": um}}) for um in (20.0, 0.0)
+        task(FULL, *more, *moving, {"uncertainty": {"drag_centre_um": um}})
+        for um, moving in ((20.0, [MOVING]), (0.0, []))
     ]
     known, rng = Proved(given(tasks[0])), random.Random(7)
     worst = []
