@@ -109,9 +109,8 @@ def drive(task: TaskGiven, plan: StrPath, *, progress: Progress = SILENT) -> Dri
         for reply in rehearsed(driver.controller):  # imports and compiles what an answer needs
             _told(reply, known)
     with progress.doing("looking for further starts that the plan is proved from"):
-        driver.controller.settle(
-            AT_MOST_S
-        )  # later a pose that is one of these is refused, not waited for
+        # a pose that is among those found later is refused until then, not waited for
+        driver.controller.settle(AT_MOST_S)
     return driver
 
 

@@ -246,7 +246,7 @@ def _lacking(grade: Grade, explained: Explained) -> str:
     if grade.alike:
         return f"but so does {_or(grade.alike)}"
     if grade.unsure:
-        return f"but the recordings do not agree on how large {' and '.join(grade.unsure)} is"
+        return f"but the recordings do not agree on the size of {' and '.join(grade.unsure)}"
     if grade.beside:
         return f"but {' and '.join(grade.beside)} may be what another form of the rest leaves"
     if explained.share < NAMED:

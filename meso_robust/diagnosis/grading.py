@@ -43,7 +43,7 @@ RELEVANT = 1e-7
 """m: size of an error that matters, where no noise is known to compare it with."""
 RELEVANT_SHARE = 0.2
 """Of the noise, likewise."""
-_SEVERAL, _NEARLY_ALL = 4, 0.8  # recordings, and the share that one of them has of what is left
+_SEVERAL, _IN_ONE = 4, 0.8  # recordings, and the share that one of them has of what is left
 _LOOKED = 8  # recordings in which it is looked for where the rest is, those that have most of it
 
 
@@ -368,4 +368,4 @@ def _remainder(
 
 def _in_one(beyond: Floats) -> bool:
     """Whether one of several recordings has nearly all of what is left (R,): then it is the recording that is wrong."""
-    return len(beyond) >= _SEVERAL and float(beyond.max()) > _NEARLY_ALL * float(beyond.sum())
+    return len(beyond) >= _SEVERAL and float(beyond.max()) > _IN_ONE * float(beyond.sum())

@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from enum import Enum
+from fractions import Fraction
 from functools import cache, partial
 
 from meso_robust.bounds import HALF_PI, Verdict
@@ -102,7 +103,7 @@ class Found:
     def settled_by(self) -> Named:
         """What a user can do if the plan is not certified for the task."""
         if self.force_n is not None:
-            return about(self.remedy, force_un=up(1e6 * self.force_n, 1))
+            return about(self.remedy, force_un=up(Fraction(self.force_n) * 10**6, 1))
         if self.scale >= 1.0:
             return about(self.remedy)
         known = {"scale": str(self.scale)}
@@ -145,12 +146,13 @@ def compose(task: Task, search_s: float | None = None) -> Found:
         refused = error
     if found is not None and found.scale >= 1.0:
         return found
+    settling = None if search_s is None else SETTLING * search_s
     probe = task.probe.model_copy(update={"max_force_un": None})
     with suppress(NotApplicableError):
-        free = _composed(task.model_copy(update={"probe": probe}), search_s)
-        if free.scale >= 1.0:
-            most = _largest_force(free.rules, setup_of(task))
-            return replace(free, remedy=Remedy.RAISE_CAP, force_n=most)
+        free = _composed(task.model_copy(update={"probe": probe}), settling)
+        force = _largest_force(free.rules, setup_of(task)) if free.scale >= 1.0 else None
+        if force is not None:
+            return replace(free, remedy=Remedy.RAISE_CAP, force_n=force)
     if found is None:
         raise refused or _no_plan(task)
     return found
@@ -460,19 +462,23 @@ def _proved(rules: Sequence[MoveRule], setup: Setup) -> bool:
     return state is not None and state.within(setup.goal)
 
 
-def _largest_force(rules: Sequence[MoveRule], setup: Setup) -> float:
-    """Bound of all contact forces of a plan, N."""
+def _largest_force(rules: Sequence[MoveRule], setup: Setup) -> float | None:
+    """Bound of all contact forces of a plan, N; None if more than the cap is in its way, or no force is bounded."""
     state: PoseBox | None = setup.start
     step: Step | None = None
     most = 0.0
     for rule in rules:
         if state is None:
-            return math.inf
+            return None
         step = certify_move(rule, state, setup, step)
-        forces = (one for one in step.obligations if one.inequality is Inequality.FORCE)
-        most = max(most, *(one.proof.box["force"].hi for one in forces), 0.0)
+        for one in step.obligations:
+            if one.inequality is Inequality.FORCE:
+                most = max(most, one.proof.box["force"].hi)
+            elif one.proof.verdict is not Verdict.PROVED:
+                return None
         state = step.post
-    return most
+    ends = state is not None and state.within(setup.goal)
+    return most if ends and most < math.inf else None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

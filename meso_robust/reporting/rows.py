@@ -81,7 +81,9 @@ def margin_rows(result: Planned) -> MarginRows:
         MarginRow(
             name.replace("_", " "),
             stated.get(name, ""),
-            f"{radii[name][0]:g} … {radii[name][1]:g}{unit_of(name)}" if name in radii else "",
+            f"{radii[name][0]:.15g} … {radii[name][1]:.15g}{unit_of(name)}"
+            if name in radii
+            else "",
             "",
             0.0,
             False,

@@ -77,8 +77,11 @@ def held(setup: Setup) -> tuple[str, ...]:
         (is_open(u.probe_wander), "a probe that strays from its path (here it goes straight)"),
         (not setup.friction_common, "friction that changes during a move (here it stays)"),
         (setup.drag_centre_moves, "a centre of drag that moves (here it stays)"),
-        (uneven, "drag that differs along a direction of the stage (here of the part)"),
-        (setup.corner_radius.hi > 0.0, "corners less round than the most (here they are as round)"),
+        (uneven, "drag that differs with a direction of the stage (here one of the part)"),
+        (
+            setup.corner_radius.hi > 0.0,
+            "corners sharper than the largest radius (here they have it)",
+        ),
     )
     return tuple(words for stated, words in every if stated)
 

@@ -1,7 +1,8 @@
 """Plans carried out in the foreign plant: ``python -m reports.foreign_plant.campaign [--runs 10000]``.
 
 Every shipped task (or those of ``--task``) is planned and certified, and the plans of ``reports/real_paper``
-are certified again; then the plan is carried out with everything uncertain drawn from the task's box, half of the runs within it and half at its corners. A run
+are certified again; then the plan is carried out with everything uncertain drawn from the task's box, half of
+the runs within it and half at its corners. A run
 is outside if it is stuck, or lies outside a promised box after a move, or outside the goal at its end, by
 more than its own change in a plant that is four times as fine. ``--radius LOW HIGH`` (um) gives the tips
 other radii than the task states.

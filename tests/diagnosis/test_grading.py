@@ -95,7 +95,7 @@ def test_what_has_no_sure_size_has_no_name(late: Diagnosis) -> None:
     unknown = replace(late.grade, verdict="unknown")
     assert sized(unknown, ()) is unknown
     words = replace(late, grade=grade)
-    assert "but the recordings do not agree on how large camera_latency is" in _why(words)
+    assert "but the recordings do not agree on the size of camera_latency" in _why(words)
 
 
 def test_without_a_set_a_mismatch_that_matters_is_unknown() -> None:

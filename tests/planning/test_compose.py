@@ -171,6 +171,13 @@ def test_a_plan_that_presses_too_hard_says_by_how_much() -> None:
     assert found.settled_by == about(Remedy.RAISE_CAP, force_un="16.0")
     assert 0.2 * 75.0 * math.hypot(1.0, 0.36) == pytest.approx(16.0, abs=0.1)
     assert certify(found.rules, setup_of(capped(15.9))).verdict is Verdict.UNKNOWN
+    # a plan that fails for another reason as well is none that a larger cap would settle
+    lean = found.rules[:-1]
+    assert composing._largest_force(lean, setup_of(capped(15.9))) is None
+    rough = capped(15.9).model_copy(
+        update={"uncertainty": task.uncertainty.model_copy(update={"friction": (0.05, 0.36)})}
+    )
+    assert composing._largest_force(found.rules, setup_of(rough)) is None
     enough = compose(capped(16.0))
     assert enough.force_n is None
     assert certify(enough.rules, setup_of(capped(16.0))).verdict is Verdict.PROVED
