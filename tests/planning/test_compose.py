@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import pytest
 
-from meso_robust.bounds import Verdict
+from meso_robust.bounds import Interval, Verdict
 from meso_robust.certificates.chain import certify
 from meso_robust.errors import NotApplicableError
 from meso_robust.planning import compose as composing
@@ -16,7 +16,7 @@ from meso_robust.planning.remedy import Remedy
 from meso_robust.primitives.frame import WORLD
 from meso_robust.primitives.move import Aim, Point
 from meso_robust.primitives.names import about
-from meso_robust.primitives.setup import setup_of
+from meso_robust.primitives.setup import Block, setup_of
 from meso_robust.task import Film, Task, load_task
 from meso_robust.tasks import HEXAGON, SLOT
 from tests.conftest import paper_task
@@ -174,10 +174,10 @@ def test_a_plan_that_presses_too_hard_says_by_how_much() -> None:
     # a plan that fails for another reason as well is none that a larger cap would settle
     lean = found.rules[:-1]
     assert composing._largest_force(lean, setup_of(capped(15.9))) is None
-    rough = capped(15.9).model_copy(
-        update={"uncertainty": task.uncertainty.model_copy(update={"friction": (0.05, 0.36)})}
-    )
-    assert composing._largest_force(found.rules, setup_of(rough)) is None
+    wall = Block(x=Interval(-1e-3, 0.0), y=Interval(-1e-3, 1e-3))
+    walled = replace(setup_of(capped(15.9)), blocks=(wall,))
+    assert certify(found.rules, walled).end is not None
+    assert composing._largest_force(found.rules, walled) is None
     enough = compose(capped(16.0))
     assert enough.force_n is None
     assert certify(enough.rules, setup_of(capped(16.0))).verdict is Verdict.PROVED
