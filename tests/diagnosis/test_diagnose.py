@@ -4,17 +4,21 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 
-from meso_robust.diagnosis import detect as module
+from meso_robust.diagnosis import detect as module, diagnose as diagnosing
 from meso_robust.diagnosis.answer import document
 from meso_robust.diagnosis.diagnose import Diagnosis, _numbers, diagnose
 from meso_robust.diagnosis.evidence import evidence
 from meso_robust.diagnosis.folds import intervals_by_fold
+from meso_robust.diagnosis.judge import Explained
+from meso_robust.diagnosis.noise import Noise
+from meso_robust.diagnosis.validation import split
 from meso_robust.recordings import RecordingSet
-from tests.diagnosis.conftest import small_set
+from tests.diagnosis.conftest import regraded, small_set
 from tests.diagnosis.designs import SIGMA
 
 
@@ -148,3 +152,30 @@ def test_numbers_have_room_for_what_is_undetected_where_more_than_noise_is_left(
     assert set(told) == set(by_fold)
     key = "camera_latency.time_ms"
     assert told[key].low < by_fold[key].low < by_fold[key].high < told[key].high
+
+
+@pytest.mark.parametrize(("share", "taken"), [(0.9, True), (0.7, False), (None, False)])
+def test_what_nothing_explains_is_asked_with_others_held_out(
+    monkeypatch: pytest.MonkeyPatch, late: Diagnosis, share: float | None, taken: bool
+) -> None:
+    explained = Explained(share=share, low=0.1, high=1.0, folds=6) if share else None
+    first = regraded(late, verdict="unknown")
+    second = regraded(late, verdict="partial", explained=explained)
+    asked: list[set[str]] = []
+
+    def answered(recordings: RecordingSet, noise: Noise, fitted: frozenset[str], _: object) -> Any:
+        parts = split(recordings, 0, fitted)
+        assert parts.held_out is not None
+        asked.append({one.file for one in parts.held_out.recordings})
+        return second if fitted else first
+
+    monkeypatch.setattr(diagnosing, "_answered", answered)
+    found = diagnose(late.recordings, quick=True)
+    assert found is (second if taken else first)
+    assert len(asked) == 2
+    assert not asked[0] & asked[1]
+
+
+def test_an_answer_is_not_asked_for_again(monkeypatch: pytest.MonkeyPatch, late: Diagnosis) -> None:
+    monkeypatch.setattr(diagnosing, "_answered", lambda *_: late)
+    assert diagnose(late.recordings, quick=True) is late
