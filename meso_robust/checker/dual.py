@@ -39,7 +39,10 @@ class Dual:
     def __sub__(self, other: Number) -> Dual:
         if not isinstance(other, Dual):
             return Dual(self.value - other, self.slopes)
-        return self + -other
+        found = dict(self.slopes)
+        for key, own in other.slopes.items():
+            found[key] = found[key] - own if key in found else -own
+        return Dual(self.value - other.value, found)
 
     def __rsub__(self, other: arb | int) -> Dual:
         return -self + other
@@ -47,10 +50,13 @@ class Dual:
     def __mul__(self, other: Number) -> Dual:
         if not isinstance(other, Dual):
             return Dual(self.value * other, {k: own * other for k, own in self.slopes.items()})
-        p, q = self.value, other.value
+        p, q, more = self.value, other.value, other.slopes
         found = {key: q * own for key, own in self.slopes.items()}
-        for key, own in other.slopes.items():
-            found[key] = found[key] + p * own if key in found else p * own
+        if found:
+            for key, own in more.items():
+                found[key] = found[key] + p * own if key in found else p * own
+        elif more:
+            found = {key: p * own for key, own in more.items()}
         return Dual(p * q, found)
 
     __rmul__ = __mul__
@@ -136,8 +142,8 @@ def once(key: Hashable, at: Point, work: Callable[[], Found]) -> Found:
 
 
 def _sum(one: Slopes, other: Slopes) -> Slopes:
-    if not one:
-        return other
+    if not one or not other:
+        return one or other
     found = dict(one)
     for key, own in other.items():
         found[key] = found[key] + own if key in found else own

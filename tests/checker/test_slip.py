@@ -14,6 +14,7 @@ from flint import arb, ctx
 from meso_robust.certificates.document import step_document
 from meso_robust.checker.chain import holds_side
 from meso_robust.checker.document import ObligationDocument, RuleDocument, StepDocument
+from meso_robust.checker.force import force_below_cap
 from meso_robust.checker.ids import Must, place
 from meso_robust.checker.inputs import PoseBox, given
 from meso_robust.checker.moves import verify_move
@@ -22,7 +23,10 @@ from meso_robust.checker.obligations import compare
 from meso_robust.checker.passage import Passage, Sweep
 from meso_robust.checker.ranges import point_of
 from meso_robust.checker.refusal import Refused
+from meso_robust.checker.requirement import Requirement
+from meso_robust.checker.scene import scene_of
 from meso_robust.checker.verdict import BITS
+from meso_robust.checker.walls import clear_of_walls
 from meso_robust.planning.document import _rule as rule_document
 from meso_robust.primitives.grid import roomy
 from meso_robust.task import Task
@@ -164,15 +168,15 @@ def test_less_friction_than_the_slip_is_bounded_for_is_refused() -> None:
 def test_forces_are_not_judged_of_a_tip_that_slips() -> None:
     known = dataclasses.replace(given(task(REAL)), largest_force=arb(1.0), drag=arb(1.0))
     with pytest.raises(Refused, match="not of a tip that may slip"):
-        verify_move(stated()[0], told("pre_exact"), known, None)
+        force_below_cap(scene_of(stated()[0], told("pre_exact"), known), known, verified())
 
 
-def beside(y_um: float, x_um: tuple[float, float] = (-8000.0, 3000.0)) -> Passage:
-    """The push with a wall along it whose lower side is at this y."""
+def beside(y_um: float, x_um: tuple[float, float] = (-8000.0, 3000.0)) -> tuple[Requirement, ...]:
+    """What is proved of the push with a wall along it whose lower side is at this y."""
     low, high = x_um
     wall = (arb(low) / 10**6, arb(high) / 10**6), (arb(y_um) / 10**6, arb(y_um + 100) / 10**6)
     known = dataclasses.replace(given(task(REAL)), blocks=(wall,))
-    return verify_move(stated()[0], told("pre_exact"), known, None)[1]
+    return clear_of_walls(scene_of(stated()[0], told("pre_exact"), known), verified(), known)
 
 
 def test_a_wall_beside_the_way_of_a_tip_that_slips() -> None:
@@ -182,9 +186,7 @@ def test_a_wall_beside_the_way_of_a_tip_that_slips() -> None:
     along, across = np.array([[808, -808, -808, 808], [418.5, 418.5, -418.5, -418.5]]) * UM
     high = y + np.sin(theta) * along + np.cos(theta) * across
     assert 680 * UM < high.max() < 690 * UM
-    found = beside(750.0)
-    assert found.slips
-    assert Must.PART_CLEAR_OF_WALLS in {one.name.id for one in found.requirements}
+    assert Must.PART_CLEAR_OF_WALLS in {one.name.id for one in beside(750.0)}
     # a wall that a corner passes under only once the tip has come halfway
     half = high[len(high) // 2]
     highest = np.unravel_index(half.argmax(), half.shape)
