@@ -2,7 +2,7 @@
 
 Sets of the same kinds and laws as the others, drawn with other seeds. Films are made by `film` and tracked by ``track``,
 then diagnosed in the quick and in the full form. Those of `SHORT` and of `LATE`, most of them outside the catalogue or a
-pair, come as recordings.
+pair, come as recordings; so do those of `WHOLE`, which has every kind in its share.
 """
 
 from __future__ import annotations
@@ -193,7 +193,21 @@ LATE = Trial(
     ),
     forms=("quick",),
 )
-TRIALS = {"films": FILMS, "short": SHORT, "late": LATE}
+WHOLE = Trial(
+    out=HERE / "whole",
+    cases=listed(60, 20261130),
+    made=sealed,
+    follows=("generate.py", "laws.py", "cases.py"),
+    blocks=(
+        (
+            0,
+            60,
+            "what nothing explains is asked with other recordings held out, a pull of the tip is one physics",
+        ),
+    ),
+    forms=("quick",),
+)
+TRIALS = {"films": FILMS, "short": SHORT, "late": LATE, "whole": WHOLE}
 
 
 def main(arguments: Sequence[str] | None = None) -> None:
