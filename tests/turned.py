@@ -20,6 +20,8 @@ FRAMES = tuple(
     Frame(heading=heading, mirrored=mirrored)
     for heading, mirrored in itertools.product(HEADINGS, (False, True))
 )
+HALF = (*FRAMES[::4], *FRAMES[3::4])
+"""Each heading, half of them mirrored: for tests of seconds."""
 
 
 def turned_task(frame: Frame, **changes: Any) -> Task:

@@ -32,9 +32,8 @@ def test_no_alarm_where_nothing_is_concealed(tmp_path: Path) -> None:
     assert abs(ratio["value"] / label["rho_um2"] - 1.0) < 0.01
 
 
-@pytest.mark.parametrize(
-    "case", [pytest.param(SUPPORT, marks=at_night), CAMERA], ids=["support", "camera"]
-)
+@at_night
+@pytest.mark.parametrize("case", [SUPPORT, CAMERA], ids=["support", "camera"])
 def test_a_concealed_effect_is_named_with_its_size(case: Case, tmp_path: Path) -> None:
     found, label = answer(case, tmp_path)
     assert found["verdict"] == "named"
