@@ -154,26 +154,42 @@ def test_numbers_have_room_for_what_is_undetected_where_more_than_noise_is_left(
     assert told[key].low < by_fold[key].low < by_fold[key].high < told[key].high
 
 
-@pytest.mark.parametrize(("share", "taken"), [(0.9, True), (0.7, False), (None, False)])
+@pytest.mark.parametrize(
+    ("share", "quick", "forms"),
+    [
+        (0.9, True, [True, True]),
+        (0.7, True, [True, True]),
+        (None, True, [True, True]),
+        (0.9, False, [False, True, False]),
+        (0.7, False, [False, True]),
+    ],
+)
 def test_what_nothing_explains_is_asked_with_others_held_out(
-    monkeypatch: pytest.MonkeyPatch, late: Diagnosis, share: float | None, taken: bool
+    monkeypatch: pytest.MonkeyPatch,
+    late: Diagnosis,
+    share: float | None,
+    quick: bool,
+    forms: list[bool],
 ) -> None:
+    """In the quick form first, and the answer counts if it explains what is named for."""
     explained = Explained(share=share, low=0.1, high=1.0, folds=6) if share else None
     first = regraded(late, verdict="unknown")
     second = regraded(late, verdict="partial", explained=explained)
-    asked: list[set[str]] = []
+    held, asked = [], []
 
-    def answered(recordings: RecordingSet, noise: Noise, fitted: frozenset[str], _: object) -> Any:
+    def answered(recordings: RecordingSet, noise: Noise, fitted: frozenset[str], of: Any) -> Any:
         parts = split(recordings, 0, fitted)
         assert parts.held_out is not None
-        asked.append({one.file for one in parts.held_out.recordings})
+        held.append({one.file for one in parts.held_out.recordings})
+        asked.append(of.quick)
         return second if fitted else first
 
     monkeypatch.setattr(diagnosing, "_answered", answered)
-    found = diagnose(late.recordings, quick=True)
-    assert found is (second if taken else first)
-    assert len(asked) == 2
-    assert not asked[0] & asked[1]
+    found = diagnose(late.recordings, quick=quick)
+    assert found is (second if share == 0.9 else first)
+    assert asked == forms
+    assert not held[0] & held[1]
+    assert held[1:] == [held[1]] * (len(forms) - 1)
 
 
 def test_an_answer_is_not_asked_for_again(monkeypatch: pytest.MonkeyPatch, late: Diagnosis) -> None:
