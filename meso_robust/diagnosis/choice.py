@@ -40,10 +40,11 @@ def pools(
         return
     if naming.answers:
         least = naming.answers[0].score - EQUAL_NATS
+        given = {one.effects for one in naming.answers}
         near = tuple(
             one
             for one in naming.candidates
-            if one not in naming.answers
+            if one.effects not in given
             and ((_refuted(one) and one.score >= least) or another_law(naming.answers[0], one))
         )
         yield naming, (*naming.answers, *near[: max(_JUDGED[quick] - len(naming.answers), 0)])

@@ -559,6 +559,9 @@ def test_a_law_is_open_where_another_one_of_the_same_physics_explains_nearly_as_
     naming = contest(own, aside, foreign, answers=(own,))
     first, (asked, then) = pools(naming, True)
     assert first == (naming, (own, aside))
+    # of another answer what the held-out recordings said is noted in the list of candidates
+    both = contest(own, replace(aside, p_value=0.5), answers=(own, aside))
+    assert next(pools(both, True))[1] == (own, aside)
     assert asked is not None
     assert set(then) == {own, aside, foreign}
     assert _answer(judge, naming, (own, aside), 0) == (own, (aside,), True)
