@@ -23,11 +23,13 @@ class Dual:
         self.value = value
         self.slopes = slopes
 
-    def _chain(self, value: arb, slope: arb) -> Dual:
-        return Dual(value, {key: slope * own for key, own in self.slopes.items()})
+    def through(self, value: arb, slope: arb) -> Dual:
+        """A function of it that has this value and this slope over the ball."""
+        mine = self.slopes
+        return Dual(value, {key: slope * own for key, own in mine.items()} if mine else mine)
 
     def __neg__(self) -> Dual:
-        return Dual(-self.value, {key: -own for key, own in self.slopes.items()})
+        return Dual(-self.value, _minus(self.slopes))
 
     def __add__(self, other: Number) -> Dual:
         if not isinstance(other, Dual):
@@ -39,24 +41,28 @@ class Dual:
     def __sub__(self, other: Number) -> Dual:
         if not isinstance(other, Dual):
             return Dual(self.value - other, self.slopes)
-        found = dict(self.slopes)
-        for key, own in other.slopes.items():
+        mine, more = self.slopes, other.slopes
+        if not more:
+            return Dual(self.value - other.value, mine)
+        found = dict(mine)
+        for key, own in more.items():
             found[key] = found[key] - own if key in found else -own
         return Dual(self.value - other.value, found)
 
     def __rsub__(self, other: arb | int) -> Dual:
-        return -self + other
+        return Dual(other - self.value, _minus(self.slopes))
 
     def __mul__(self, other: Number) -> Dual:
+        mine = self.slopes
         if not isinstance(other, Dual):
-            return Dual(self.value * other, {k: own * other for k, own in self.slopes.items()})
+            more: Slopes = {k: own * other for k, own in mine.items()} if mine else _NONE
+            return Dual(self.value * other, more)
         p, q, more = self.value, other.value, other.slopes
-        found = {key: q * own for key, own in self.slopes.items()}
-        if found:
-            for key, own in more.items():
-                found[key] = found[key] + p * own if key in found else p * own
-        elif more:
-            found = {key: p * own for key, own in more.items()}
+        if not mine:
+            return Dual(p * q, {key: p * own for key, own in more.items()} if more else _NONE)
+        found = {key: q * own for key, own in mine.items()}
+        for key, own in more.items():
+            found[key] = found[key] + p * own if key in found else p * own
         return Dual(p * q, found)
 
     __rmul__ = __mul__
@@ -71,47 +77,47 @@ class Dual:
 
     def _inverse(self) -> Dual:
         value = 1 / self.value
-        return self._chain(value, -_square(value))
+        return self.through(value, -_square(value))
 
     def squared(self) -> Dual:
         """Its square, never negative."""
-        return self._chain(_square(self.value), 2 * self.value)
+        return self.through(_square(self.value), 2 * self.value)
 
     def sin_cos(self) -> tuple[Dual, Dual]:
         """Sine and cosine."""
         s, c = self.value.sin_cos()
-        return self._chain(s, c), self._chain(c, -s)
+        return self.through(s, c), self.through(c, -s)
 
     def tan(self) -> Dual:
         """Tangent."""
         value = self.value.tan()
-        return self._chain(value, 1 + _square(value))
+        return self.through(value, 1 + _square(value))
 
     def atan(self) -> Dual:
         """Inverse tangent."""
-        return self._chain(self.value.atan(), 1 / (1 + _square(self.value)))
+        return self.through(self.value.atan(), 1 / (1 + _square(self.value)))
 
     def asin(self) -> Dual:
         """Inverse sine; not finite beyond -1 and 1."""
-        return self._chain(self.value.asin(), 1 / (1 - _square(self.value)).sqrt())
+        return self.through(self.value.asin(), 1 / (1 - _square(self.value)).sqrt())
 
     def sqrt(self) -> Dual:
         """Square root; not finite where the radicand may be negative."""
         value = self.value.sqrt()
-        return self._chain(value, 1 / (2 * value))
+        return self.through(value, 1 / (2 * value))
 
     def asinh(self) -> Dual:
         """Inverse hyperbolic sine."""
-        return self._chain(self.value.asinh(), 1 / (1 + _square(self.value)).sqrt())
+        return self.through(self.value.asinh(), 1 / (1 + _square(self.value)).sqrt())
 
     def gudermannian(self) -> Dual:
         """The angle between -pi/2 and pi/2 whose sine is the hyperbolic tangent."""
-        return self._chain(self.value.sinh().atan(), self.value.sech())
+        return self.through(self.value.sinh().atan(), self.value.sech())
 
     def tanh_sech(self) -> tuple[Dual, Dual]:
         """Hyperbolic tangent and secant."""
         t, s = self.value.tanh(), self.value.sech()
-        return self._chain(t, _square(s)), self._chain(s, -s * t)
+        return self.through(t, _square(s)), self.through(s, -s * t)
 
 
 Number: TypeAlias = Dual | arb | int
@@ -139,6 +145,10 @@ def once(key: Hashable, at: Point, work: Callable[[], Found]) -> Found:
         at.found[key] = work()
     found: Found = at.found[key]
     return found
+
+
+def _minus(slopes: Slopes) -> Slopes:
+    return {key: -own for key, own in slopes.items()} if slopes else slopes
 
 
 def _sum(one: Slopes, other: Slopes) -> Slopes:

@@ -99,16 +99,17 @@ class Drag:
         """Of the drag of translations."""
         return 1 if self.even else 1 - squared(self.stretch) - squared(self.shear)
 
+    def along(self, k: Real) -> tuple[Real, Real]:
+        """A and B: what a force at D with a friction ratio meets across and along its edge."""
+        if self.even:
+            return 1, k
+        return self.shear * k + self.stretch + 1, (1 - self.stretch) * k + self.shear
 
-@dataclass(frozen=True, slots=True)
-class Forces:
-    """Normal forces, each over ``divisor``."""
-
-    moving: Real
-    """Normal force, for drag 1 and one unit of travel per time."""
-    resting: Real
-    divisor: Real
-    """Positive where the grip cannot close."""
+    def along_far(self, ratio: Real) -> tuple[Real, Real]:
+        """A' and B': likewise of one at S, which presses the other way."""
+        if self.even:
+            return 1, ratio
+        return 1 + self.stretch - self.shear * ratio, (1 - self.stretch) * ratio - self.shear
 
 
 @dataclass(frozen=True, slots=True)
@@ -256,29 +257,55 @@ class Grip:
         H, both = self.apart + self.e_moving * k - self.e_resting * ratio, k + ratio
         if film.even:
             return H, both, ratio
-        A, A_S = film.shear * k + film.stretch + 1, 1 + film.stretch - film.shear * ratio
-        B, B_S = (1 - film.stretch) * k + film.shear, (1 - film.stretch) * ratio - film.shear
+        (A, B), (A_S, B_S) = film.along(k), film.along_far(ratio)
         m_S = self.e_resting * ratio + self.r
         return H * A_S - m_S * film.shear * both, A * B_S + A_S * B, B_S
 
     def forces(self, film: Drag, k: Real, k_S: Real) -> Forces:
         """Normal forces at two friction ratios."""
-        t, R, ratio, room = self.tilt, self.R, self.ratio_S(k_S), film.determinant
-        m, m_S = self.e_moving * k + self.p, self.e_resting * ratio + self.r
-        H, P, B_S = self._span(film, k, ratio)
-        A, A_S, B = 1, 1, k
-        if not film.even:
-            A, A_S = film.shear * k + film.stretch + 1, 1 + film.stretch - film.shear * ratio
-            B = (1 - film.stretch) * k + film.shear
-        divisor, at_D, at_S = self.apart * H, A_S, A
-        if t is not EVEN:
-            Q = m_S * B + m * B_S
-            divisor = divisor + (film.rho * P / room + self.p * Q - self.e_resting * H) * t
-            at_D, at_S = at_D + t * B_S, at_S - t * B
-        return Forces(
-            moving=self.g * (film.rho * at_D + m_S * R * room),
-            resting=self.g * (film.rho * at_S + m * R * room),
-            divisor=divisor,
+        return Forces(self, film, k, self.ratio_S(k_S))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Forces:
+    """Normal forces of a grip at two friction ratios, each over ``divisor``; worked out as they are asked for."""
+
+    grip: Grip
+    film: Drag
+    k: Real
+    """Friction ratio at D."""
+    ratio: Real
+    """At S, in the axes of the pushed edge."""
+
+    @property
+    def moving(self) -> Real:
+        """Of D, for drag 1 and one unit of travel per time."""
+        grip, film = self.grip, self.film
+        A, B = film.along_far(self.ratio)
+        m = grip.e_resting * self.ratio + grip.r
+        at = A if grip.tilt is EVEN else A + grip.tilt * B
+        return grip.g * (film.rho * at + m * grip.R * film.determinant)
+
+    @property
+    def resting(self) -> Real:
+        """Of S, likewise."""
+        grip, film = self.grip, self.film
+        A, B = film.along(self.k)
+        m = grip.e_moving * self.k + grip.p
+        at = A if grip.tilt is EVEN else A - grip.tilt * B
+        return grip.g * (film.rho * at + m * grip.R * film.determinant)
+
+    @property
+    def divisor(self) -> Real:
+        """Positive where the grip cannot close."""
+        grip, film, k, ratio = self.grip, self.film, self.k, self.ratio
+        H, P, B_S = grip._span(film, k, ratio)
+        if grip.tilt is EVEN:
+            return grip.apart * H
+        m, m_S = grip.e_moving * k + grip.p, grip.e_resting * ratio + grip.r
+        Q = m_S * film.along(k)[1] + m * B_S
+        return grip.apart * H + grip.tilt * (
+            film.rho * P / film.determinant + grip.p * Q - grip.e_resting * H
         )
 
 

@@ -22,7 +22,7 @@ from __future__ import annotations
 import dataclasses
 import functools
 import itertools
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 
 from flint import arb
 
@@ -175,8 +175,16 @@ def _rests(touching: tuple[Approach, ...], h_end: Side) -> Requirement:
     )
 
 
-Spare = Callable[[Piece, arb, Point], tuple[Dual, ...]]
-"""By how much a grip of a piece exceeds a bound."""
+Spares = Sequence[Callable[[], Dual]]
+"""By how much something exceeds a bound, in several ways, each worked out if it is asked for."""
+Spare = Callable[[Piece, arb, Point], Spares]
+"""By how much a grip of a piece does."""
+
+
+def _resting(forces: Forces, bound: arb) -> Dual:
+    """By how much the resting tip presses more than ``bound``."""
+    spare: Dual = forces.resting - forces.divisor * bound
+    return spare
 
 
 class _Turn:
@@ -224,10 +232,16 @@ class _Turn:
             for piece in self.pieces
         )
 
-    def _in_piece(self, of: Callable[[Point], tuple[Dual, ...]]) -> bool:
+    def _in_piece(self, of: Callable[[Point], Spares]) -> bool:
+        def every(at: Point) -> list[Dual]:
+            return [one() for one in of(at)]
+
+        def one(k: int, at: Point) -> Dual:
+            return of(at)[k]()
+
         return all(
-            low > 0 or positive(component(of, k), self.states())
-            for k, low in enumerate(lows(of, self.around))
+            low > 0 or positive(functools.partial(one, k), self.states())
+            for k, low in enumerate(lows(every, self.around))
         )
 
     def _corners(self, piece: Piece, at: Point) -> list[Forces]:
@@ -239,35 +253,48 @@ class _Turn:
         ends = itertools.product(SIGNS, repeat=2)
         return [grip.forces(drag, mu_D * k, mu_S * k_S) for k, k_S in ends]
 
-    def _open(self, piece: Piece, bound: arb, at: Point) -> tuple[Dual, ...]:
-        return tuple(forces.divisor - bound for forces in self._corners(piece, at))
+    def _open(self, piece: Piece, bound: arb, at: Point) -> Spares:
+        def spare(forces: Forces) -> Dual:
+            return forces.divisor - bound
 
-    def _pressed(self, piece: Piece, bound: arb, at: Point) -> tuple[Dual, ...]:
+        return [functools.partial(spare, one) for one in self._corners(piece, at)]
+
+    def _pressed(self, piece: Piece, bound: arb, at: Point) -> Spares:
         """D presses, also alone."""
         grip, drag, (mu, _) = piece.grip(at), drag_of(at), ratios_of(at)
-        found = [forces.moving - bound for forces in self._corners(piece, at)]
-        return (*found, *(grip.alone(drag, mu * k) - bound for k in SIGNS))
 
-    def _forces(self, piece: Piece, bound: arb, at: Point) -> tuple[Dual, ...]:
-        return tuple(forces.resting - forces.divisor * bound for forces in self._corners(piece, at))
+        def spare(forces: Forces) -> Dual:
+            return forces.moving - bound
 
-    def _forces_back(self, piece: Piece, bound: arb, at: Point) -> tuple[Dual, ...]:
+        def alone(k: int) -> Dual:
+            return grip.alone(drag, mu * k) - bound
+
+        found = [functools.partial(spare, one) for one in self._corners(piece, at)]
+        return [*found, *(functools.partial(alone, k) for k in SIGNS)]
+
+    def _forces(self, piece: Piece, bound: arb, at: Point) -> Spares:
+        return [functools.partial(_resting, one, bound) for one in self._corners(piece, at)]
+
+    def _forces_back(self, piece: Piece, bound: arb, at: Point) -> Spares:
         """The same where D alone would let the part slip forward: of half of its cone."""
         grip, drag, (mu_D, mu_S) = piece.grip(at), drag_of(at), ratios_of(at)
-        found = [grip.slides_alone(drag)]
-        for k, k_S in itertools.product((-1, 0), SIGNS):
-            forces = grip.forces(drag, mu_D * k, mu_S * k_S)
-            found.append(forces.resting - forces.divisor * bound)
-        return tuple(found)
-
-    def _on_edges(self, piece: Piece, bound: arb, at: Point) -> tuple[Dual, ...]:
-        grip = piece.grip(at)
-        ends = ((grip.D_place, self.near), (grip.S_place, self.far))
-        return tuple(
-            reach - bound + place * sign
-            for place, reaches in ends
-            for reach, sign in zip(reaches, (1, -1), strict=True)
+        half = (
+            grip.forces(drag, mu_D * k, mu_S * k_S) for k, k_S in itertools.product((-1, 0), SIGNS)
         )
+        found = [functools.partial(_resting, one, bound) for one in half]
+        return [functools.partial(grip.slides_alone, drag), *found]
+
+    def _on_edges(self, piece: Piece, bound: arb, at: Point) -> Spares:
+        grip = piece.grip(at)
+
+        def spare(far: bool, reach: arb, sign: int) -> Dual:
+            return reach - bound + (grip.S_place if far else grip.D_place) * sign
+
+        return [
+            functools.partial(spare, far, reach, sign)
+            for far, reaches in ((False, self.near), (True, self.far))
+            for reach, sign in zip(reaches, (1, -1), strict=True)
+        ]
 
     def largest_force(self) -> arb:
         """The largest normal force of all, over drag and commanded speed, friction not counted.

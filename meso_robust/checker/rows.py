@@ -440,7 +440,31 @@ class _Seen:
         self.steep[:, where] = closer.steep
 
 
+AT_ONCE = 128
+"""Boxes that are looked at in one go: their arrays stay where they are worked at, in a cache."""
+
+
 def _seen(of: Of, boxes: Boxes, which: npt.NDArray[np.int64]) -> _Seen:
+    if boxes.count <= AT_ONCE:
+        return _seen_at_once(of, boxes, which)
+    every = np.arange(boxes.count)
+    parts = [
+        _seen_at_once(of, boxes.of(some), which[some])
+        for some in np.array_split(every, math.ceil(boxes.count / AT_ONCE))
+    ]
+    return _Seen(
+        np.hstack([one.low for one in parts]),
+        np.hstack([one.attained for one in parts]),
+        np.hstack([one.steep for one in parts]),
+        Boxes(
+            boxes.names,
+            np.hstack([one.boxes.low for one in parts]),
+            np.hstack([one.boxes.high for one in parts]),
+        ),
+    )
+
+
+def _seen_at_once(of: Of, boxes: Boxes, which: npt.NDArray[np.int64]) -> _Seen:
     count = boxes.count
     value = of(boxes.points(), np.concatenate([which, which]))
     grows, falls = (end <= 0 for end in value.ends[:, 1:, :count])

@@ -64,6 +64,17 @@ def test_the_lowest_value_is_bounded_and_cuts_bring_it_closer() -> None:
     assert np.all(least - many < 6e-3)
 
 
+def test_boxes_are_looked_at_in_parts_and_say_the_same(monkeypatch: pytest.MonkeyPatch) -> None:
+    some, own = boxes(8, 0.05), np.arange(8.0)
+
+    def valley(at: Any, which: Any) -> Any:
+        return (at["x"] - 1).squared() + at["y"] * at["z"] + own[which]
+
+    whole = lowest(valley, some, 1e-9, 4)
+    monkeypatch.setattr("meso_robust.checker.rows.AT_ONCE", 3)
+    np.testing.assert_array_equal(lowest(valley, some, 1e-9, 4), whole)
+
+
 def test_a_bound_is_brought_no_closer_than_is_asked_for() -> None:
     """Of ``x (1 - x)`` over 0 to 1 and moved: it is at least 0 there, one box only proves more than -1."""
     box = Boxes(("x",), np.array([[0.0]]), np.array([[1.0]]))

@@ -307,3 +307,12 @@ def test_a_curve_that_motions_overtake_is_no_barrier(which: int) -> None:
         curve = Curve(h, h - 10 * UM, S, cubic, {}, numbers)
         leads, _ = least_leads([curve], {**box, "done": side(0.0, 1.0)}, which)
         assert bool(leads[0] > 0) is is_one
+
+
+def test_a_cubic_of_a_ball_holds_its_values_and_slopes() -> None:
+    cubic, low, high = Cubic((0.3, -1.2, 2.5, -0.7)), -0.4, 0.9
+    found = cubic(Dual(arb(low).union(arb(high)), {"x": arb(2)}))
+    assert set(found.slopes) == {"x"}
+    for x in np.linspace(low, high, 21):
+        assert found.value.contains(cubic(arb(x)).mid())
+        assert found.slopes["x"].contains(2 * (-1.2 + 5.0 * x - 2.1 * x * x))
