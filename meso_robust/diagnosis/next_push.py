@@ -1,6 +1,6 @@
-"""What to record next: the push that would tell apart what these recordings do not.
+"""What to record next: the push that would tell apart what these recordings do not, or show again what they do.
 
-Many pushes are simulated under both models, and the largest difference wins. Every push starts at
+To tell two answers apart many pushes are simulated under both models, and the largest difference wins. Every push starts at
 rest from a pose that the part had in the recordings, waits, meets an edge, goes on, draws back and
 waits again. A difference counts in standard deviations of the noise of all frames together, less what
 another start would explain.
@@ -51,6 +51,8 @@ def next_experiment(found: Diagnosis) -> dict[str, object]:
         file = found.baseline.prepared.files[worst.recording] if worst else "the worst push"
         what = f"repeat {file} at another speed, at another place, and with the part turned by 180°"
         return {"why": "to see which invariance the unknown effect breaks", "push": {"what": what}}
+    if answers:
+        return _confirming(found, answers[0])
     unseen = sorted(
         (one for one in found.detected.visible if not one.seen), key=lambda one: one.sigma
     )
@@ -61,6 +63,21 @@ def next_experiment(found: Diagnosis) -> dict[str, object]:
             "push": {"what": tried(effect).shown_by},
         }
     return {"why": "nothing is open", "push": {"what": ""}}
+
+
+def _confirming(found: Diagnosis, answer: Candidate) -> dict[str, object]:
+    """The pushes that show best what explains most, on which its size should come out the same."""
+    effect = max(answer.effects, key=lambda name: found.grade.shares.get(name, 0.0))
+    what = tried(effect).shown_by
+    if found.verdict == "named":
+        return {
+            "why": f"to confirm {effect} before a plan is made with it",
+            "push": {"what": f"{what}, to confirm {effect}; then plan with --model model.toml"},
+        }
+    return {
+        "why": f"to confirm {effect}, which may not be all",
+        "push": {"what": f"{what}, to confirm {effect}"},
+    }
 
 
 def _telling(found: Diagnosis, first: Candidate, second: Candidate) -> dict[str, object]:

@@ -177,6 +177,16 @@ def test_an_ambiguous_answer_asks_for_the_push_that_tells(late: Diagnosis) -> No
     assert next_experiment(found) == next_experiment(found)
 
 
+def test_a_named_effect_is_confirmed_before_a_plan_is_made_with_it(late: Diagnosis) -> None:
+    section = NextExperiment.model_validate(next_experiment(late))
+    shown_by = tried("camera_latency").shown_by
+    assert section.push.what == (
+        f"{shown_by}, to confirm camera_latency; then plan with --model model.toml"
+    )
+    part = NextExperiment.model_validate(next_experiment(regraded(late, verdict="partial")))
+    assert part.push.what == f"{shown_by}, to confirm camera_latency"
+
+
 def test_answers_that_are_exactly_alike_are_said_to_be(late: Diagnosis) -> None:
     section = NextExperiment.model_validate(
         next_experiment(answers(late, ("body_force", PULL), ("film_flow", PULL)))
