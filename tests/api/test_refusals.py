@@ -12,6 +12,7 @@ import pytest
 
 import meso_robust as mr
 from meso_robust.planning.reading import read_plan
+from meso_robust.policy.controller import PlanController
 from meso_robust.recordings import write_set
 from meso_robust.tasks import PAPER
 from tests.recordings.planted import clean, planted, poses
@@ -169,6 +170,20 @@ def test_a_pose_may_come_from_numpy() -> None:
     seen: list[Any] = [np.float32(2060.4), np.float64(-9.2), np.int64(90)]
     assert driver.answer(*map(float, seen)) == driver.answer(*seen)
     assert driver.answer(*seen)["primitive"] == "y_translation"
+
+
+def test_all_starts_are_looked_for_before_the_first_pose(monkeypatch: pytest.MonkeyPatch) -> None:
+    """On a busy machine too, or a pose would be refused that is answered on an idle one."""
+    waited: list[float | None] = []
+
+    def settle(_: PlanController, seconds: float | None = None) -> None:
+        waited.append(seconds)
+
+    monkeypatch.setattr(PlanController, "settle", settle)
+    mr.drive(PAPER, PLAN)
+    (seconds,) = waited
+    assert seconds is not None
+    assert seconds >= 60.0  # twice what the plan for real probes takes
 
 
 def test_a_misspelt_argument_is_told_with_the_call_it_was_given_to() -> None:
