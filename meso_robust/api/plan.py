@@ -128,7 +128,7 @@ def plan(  # noqa: PLR0913  # every option of the verb is an argument
     model: StrPath | None = None,
     samples: Samples = 1000,
     seed: Seed = 0,
-    search_s: SearchSeconds = 60.0,
+    search_s: SearchSeconds = 90.0,
     widest: bool = False,
     policy: bool = False,
     maps: bool = False,

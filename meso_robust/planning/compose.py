@@ -311,21 +311,21 @@ def _with_most_in_hand(
             rules = rules_at(most)
         further = [more]
     except EffortSpentError:
-        rules, further = None, [most, more]
+        rules, further = None, [more, most]  # the likelier one first
     if rules is not None:
         return Found(rules=rules, scale=most)
     hopeless()
     rules = rules_at(least)
     if rules is None:
         return None
-    try:
+    found = Found(rules=rules, scale=least)
+    with suppress(EffortSpentError):
         for scale in further:
             better = rules_at(scale)
-            if better is not None:
-                return Found(rules=better, scale=scale)
-    except EffortSpentError:
-        pass
-    return Found(rules=rules, scale=least)
+            if better is None:
+                break
+            found = Found(rules=better, scale=scale)
+    return found
 
 
 def _none_at_all(task: Task, last: _LastResort) -> None:

@@ -183,7 +183,7 @@ def _first_contacts(theta: Interval, aligned: Interval) -> list[tuple[int, Inter
     return cases or [(1, theta)]
 
 
-SMALLEST, LARGER, MOST_TRIALS, HALVINGS = 0.5, 1.25, 20, 2
+SMALLEST, LARGER, MOST_TRIALS, CLOSE = 0.5, 1.25, 20, 1.07
 """Bounds of the creep that are tried: depths of the edge, growing by a factor, and how closely the least
 is looked for. Effort only."""
 FOR_OTHERS = 1.05
@@ -203,39 +203,15 @@ class _Slip:
 
 def _slip(side: int, box: Mapping[str, Interval], edge: Edge, aligned: Interval) -> _Slip | None:
     """A bound of how far the first contact slips, about the least that is proved."""
-    turned = _turn(side, box, aligned)
-
-    def at(most: float) -> dict[str, Interval]:
-        return {
-            **box,
-            one_tip.CREEP: Interval(0.0, most),
-            one_tip.CREEP_MOST: Interval.point(most),
-            one_tip.TURNED: turned,
-        }
-
-    def proof(most: float) -> Proof | None:
-        there = at(most)
-        of = one_tip.creeping(side, one_tip.zeros(there))
-        inputs = {name: there[name] for name in of.inputs}
-        return None if fails_somewhere(of, inputs) else prove_positive(of, inputs)
-
-    def proved(most: float) -> bool:
-        found = proof(most)
-        return found is not None and found.verdict is Verdict.PROVED
-
-    grown = (SMALLEST * LARGER**k * edge.depth.hi for k in range(MOST_TRIALS))
-    most = next(filter(proved, grown), None)
-    if most is None:
+    there = _creeping(box, _turn(side, box, aligned), LARGER)  # of any size, for what is zero
+    zero = one_tip.zeros(there)
+    names = [name for name in one_tip.creeping(side, zero).inputs if name != one_tip.CREEP_MOST]
+    known = tuple((name, there[name]) for name in names)
+    found = _least_creep(side, zero, known, edge.depth.hi)
+    if found is None:
         return None
-    less = most / LARGER
-    for _ in range(HALVINGS):
-        middle = 0.5 * (less + most)
-        less, most = (less, middle) if proved(middle) else (middle, most)
-    most *= FOR_OTHERS
-    bounded = proof(most)
-    if bounded is None or bounded.verdict is not Verdict.PROVED:
-        return None
-    there = at(most)
+    most, bounded = found
+    there = _creeping(box, there[one_tip.TURNED], most)
     return _Slip(
         box=there,
         spare=_spare(side, there, aligned),
@@ -245,6 +221,49 @@ def _slip(side: int, box: Mapping[str, Interval], edge: Edge, aligned: Interval)
             proof=replace(bounded, box=stated(bounded.box)),
         ),
     )
+
+
+def _creeping(box: Mapping[str, Interval], turned: Interval, most: float) -> dict[str, Interval]:
+    """The base parameters with those of a slip up to ``most``, m."""
+    return {
+        **box,
+        one_tip.CREEP: Interval(0.0, most),
+        one_tip.CREEP_MOST: Interval.point(most),
+        one_tip.TURNED: turned,
+    }
+
+
+@functools.lru_cache(maxsize=4096)  # pushes that differ in how far they go slip alike
+def _least_creep(
+    side: int, zero: frozenset[str], known: tuple[tuple[str, Interval], ...], depth: float
+) -> tuple[float, Proof] | None:
+    """About the least bound of the slip that is proved, m, a little enlarged, and its proof."""
+    of = one_tip.creeping(side, zero)
+
+    def proof(most: float) -> Proof | None:
+        inputs = {**dict(known), one_tip.CREEP_MOST: Interval.point(most)}
+        return None if fails_somewhere(of, inputs) else prove_positive(of, inputs)
+
+    def proved(found: Proof | None) -> bool:
+        return found is not None and found.verdict is Verdict.PROVED
+
+    trial, ahead, less = 0, 1, SMALLEST * depth / LARGER
+    while trial < MOST_TRIALS:
+        most = SMALLEST * LARGER**trial * depth
+        found = proof(most)
+        if proved(found):
+            break
+        # to give up a proof takes long: of several in a row some are left out
+        ahead = 1 if found is None else ahead + 1
+        trial, less = trial + ahead, most
+    else:
+        return None
+    while most > CLOSE * less:
+        middle = math.sqrt(less * most)
+        less, most = (less, middle) if proved(proof(middle)) else (middle, most)
+    most *= FOR_OTHERS
+    bounded = proof(most)
+    return (most, bounded) if bounded is not None and proved(bounded) else None
 
 
 PIECE, STAGE, BOXES = 0.02, 0.02, 64

@@ -49,7 +49,7 @@ def test_positive_answer_is_status_0_with_three_files(proved: tuple[Any, Path]) 
 
 def test_the_page_repeats_how_long_was_searched(proved: tuple[Any, Path]) -> None:
     page = (proved[1] / "report.html").read_text(encoding="utf-8")
-    assert "meso-robust plan TASK.toml --samples 50 --seed 0 --search-s 60" in page
+    assert "meso-robust plan TASK.toml --samples 50 --seed 0 --search-s 90" in page
 
 
 def test_plan_moves_follow_the_contract(proved: tuple[Any, Path]) -> None:

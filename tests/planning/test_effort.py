@@ -111,6 +111,23 @@ def test_a_plan_that_was_found_is_kept_when_one_with_more_in_hand_takes_too_long
     assert compose.compose(paper_task(), 60.0).scale == 1.0
 
 
+def test_more_in_hand_is_looked_for_in_steps_and_the_last_one_found_is_kept(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    most, more, least = compose.IN_HAND
+    scales: list[float] = []
+
+    def rules(*args: Any, **_: Any) -> Sequence[object] | None:
+        scales.append(args[SCALE])
+        if args[SCALE] == most:
+            raise EffortSpentError
+        return ()
+
+    monkeypatch.setattr(compose, "_rules", rules)
+    assert compose.compose(paper_task(), 60.0).scale == more
+    assert [one for one in scales if one >= least] == [most, least, more, most]
+
+
 def test_what_would_settle_a_search_that_gave_up_names_its_time(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:

@@ -8,13 +8,20 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from meso_robust.bounds import HALF_PI, Interval, Verdict
+from meso_robust.bounds import HALF_PI, Interval, Verdict, prove_positive
+from meso_robust.motion import one_tip
 from meso_robust.planning.x_translation import rule_at
 from meso_robust.primitives.move import from_part
 from meso_robust.primitives.names import Inequality
 from meso_robust.primitives.obligation import Step
 from meso_robust.primitives.setup import PoseBox, Setup
-from meso_robust.primitives.straighten import certify_straighten, is_proved
+from meso_robust.primitives.straighten import (
+    CLOSE,
+    FOR_OTHERS,
+    Pushed,
+    certify_straighten,
+    is_proved,
+)
 from meso_robust.types import Floats
 from tests.primitives.replay import Draws
 from tests.primitives.test_tolerance import DEG, UM, real
@@ -189,3 +196,16 @@ def test_slip_is_looked_at_only_where_the_first_tip_is_not_proved_to_stick() -> 
     steps = [certify_straighten(rule, leaning, setup, slipping=s) for s in (False, True)]
     assert steps[0].verdict.word == "PROVED"
     assert steps[0] == steps[1]
+
+
+def test_what_is_stated_is_about_the_least_that_is_proved() -> None:
+    _, step = proved()
+    assert isinstance(step.leaves, Pushed)
+    ((side, box),) = step.leaves.cases
+    of = one_tip.creeping(side, one_tip.zeros(box))
+    less, more = (
+        {**box, one_tip.CREEP_MOST: Interval.point(share * box[one_tip.CREEP_MOST].hi)}
+        for share in (1.0 / (CLOSE * FOR_OTHERS * 1.001), 1.0 / FOR_OTHERS)
+    )
+    assert prove_positive(of, more).verdict is Verdict.PROVED
+    assert prove_positive(of, less).verdict is not Verdict.PROVED
