@@ -12,6 +12,7 @@ from meso_robust.types import Floats, Ints
 _FEWEST = 2  # samples from a corner to the next, at least
 _SWEEPS = 3  # over all corners, which were put while others were still missing
 _WORST = 4.0  # standard deviations of χ² that a leg may exceed its expectation by
+_FAR = 6.0  # σ: a sample farther off is no noise
 
 
 def thinned(times: Floats, path: Floats, tolerance: float) -> Ints:
@@ -98,7 +99,8 @@ def smoothed(times: Floats, path: Floats, sigma: float) -> tuple[Floats, Floats]
     A continuous, piecewise linear function of time is fitted by least squares; the leg whose squared
     residuals most exceed what σ explains is cut where two lines explain it best, until none does. A
     corner is where these lines meet, which is seldom at a sample: a probe that turns between two of them
-    was farther out than any.
+    was farther out than any. Where legs have too few samples for that, as of a probe that comes back
+    at once under a slow camera, the corners are samples.
 
     Parameters
     ----------
@@ -131,9 +133,23 @@ def _smoothed(clock: bytes, samples: bytes, sigma: float) -> tuple[Floats, Float
         new = leg + 1
         knots = _put(np.insert(knots, new, np.nan), [new, leg, new + 1] * 2, times, path)
     knots = _put(knots, [*range(len(knots))] * _SWEEPS, times, path)
-    corners = _legs(times, path, knots)[0]
+    for _ in times:
+        corners, motion = _legs(times, path, knots)
+        off = np.abs(path - motion).max(axis=1)
+        followed = _through(knots, times, int(np.argmax(off)))
+        if off.max() <= _FAR * sigma or len(followed) == len(knots):
+            break
+        knots = followed
     knots.flags.writeable = corners.flags.writeable = False
     return knots, corners
+
+
+def _through(knots: Floats, times: Floats, worst: int) -> Floats:
+    """Knots with one at a sample, and with samples for the ends of its leg, which too few others told."""
+    leg = int(np.clip(np.searchsorted(knots, times[worst], side="right") - 1, 0, len(knots) - 2))
+    ends = np.setdiff1d(knots[leg : leg + 2], times)
+    after = np.searchsorted(times, ends)
+    return np.unique([*np.setdiff1d(knots, ends), *times[after - 1], *times[after], times[worst]])
 
 
 def _legs(times: Floats, path: Floats, knots: Floats) -> tuple[Floats, Floats]:

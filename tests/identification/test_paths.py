@@ -153,3 +153,23 @@ def test_a_turning_point_between_two_noisy_samples_is_recovered(share: float) ->
     nearest = np.abs(knots[:, None] - instants[1:-1]).argmin(axis=0)
     assert knots[nearest] == pytest.approx(instants[1:-1], abs=0.05 * frame)
     assert found[nearest] / UM == pytest.approx(corners[1:-1], abs=0.3)
+
+
+@pytest.mark.parametrize("rest", [0.3, 0.35, 0.4, 0.5])  # of one sample at rest alone it is open
+@pytest.mark.parametrize("phase", [0.02, 0.07, 0.13])
+def test_a_probe_that_comes_back_soon_is_followed_under_a_slow_camera(
+    rest: float, phase: float
+) -> None:
+    """Its rest and its way back are a sample or two each: no path may go where the probe was not."""
+    way, back, speed, sigma = 348.0, 28.0, 120.0, 0.05
+    clock = np.cumsum([0.0, 1.5 + phase, way / speed, rest, back / speed, 1.5])
+    times = np.arange(0.0, clock[-1], 0.2)
+    fine = np.linspace(0.0, times[-1], 5000)
+    along = np.array([0.0, 0.0, way, way, way - back, way - back])
+    noise = sigma * np.random.default_rng(3).standard_normal(len(times))
+    seen = np.interp(times, clock, along) + noise
+    knots, corners = smoothed(times, np.stack([seen, 0.3 * seen], axis=1) * UM, sigma * UM)
+    path = corners[:, 0] / UM
+    assert np.abs(np.interp(times, knots, path) - seen).max() < 6.0 * sigma
+    # between two samples it may turn a little later than they tell, but goes no farther than the tip
+    assert np.interp(fine, knots, path).max() < way + 6.0 * sigma
