@@ -158,13 +158,13 @@ def chunks_kept(out: Path) -> int:
 
 
 def test_killed_and_resumed_the_totals_are_the_same_bits(tmp_path: Path) -> None:
-    path = written(tmp_path, {"executions": 6000, "chunk": 50})
+    path = written(tmp_path, {"executions": 3000, "chunk": 50})
     assert ran(path, "--out", tmp_path / "whole", "--workers", 1)[0] == 0
     whole = json.loads((tmp_path / "whole" / "campaign.json").read_text(encoding="utf-8"))
     out, kept = tmp_path / "killed", 0
     for _ in range(2):
         with start(path, out) as process:
-            # killed as soon as it has kept ten more of its 120 chunks, however fast it runs
+            # killed as soon as it has kept ten more of its 60 chunks, however fast it runs
             while process.poll() is None and chunks_kept(out) < kept + 10:
                 time.sleep(0.02)
             process.send_signal(signal.SIGKILL)

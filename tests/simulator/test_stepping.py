@@ -257,8 +257,8 @@ def test_tip_at_a_distance_that_overflows_leaves_the_part_alone() -> None:
 
 def test_no_step_with_a_motion_is_given_up() -> None:
     # Three random contacts; on a few such problems Lemke's pivots miss the solution there is.
-    rows = random_rows(4000, 3, np.random.default_rng(1))
-    M, q = contact_problems(rows, np.full(4000, 0.9))
+    rows = random_rows(2000, 3, np.random.default_rng(1))
+    M, q = contact_problems(rows, np.full(2000, 0.9))
     work = workspace_of(rows[0], 0.9)
     jams = 0
     for i, case in enumerate(rows):
@@ -270,7 +270,7 @@ def test_no_step_with_a_motion_is_given_up() -> None:
         if outcome == Outcome.JAM:
             jams += 1
             assert not some_mode_holds(12, M[i], q[i])
-    assert jams > 100
+    assert jams > 50
 
 
 def test_far_contact_that_closes_in_the_step_is_not_left_out() -> None:
