@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
@@ -199,19 +200,34 @@ def _why(found: Diagnosis) -> str:
         )
     if found.verdict == "unknown" or grade.chosen is None or grade.explained is None:
         return _unexplained(grade) + reach
-    names, share = " + ".join(_by_share(grade)), 100.0 * grade.explained.share
+    main = tuple(name for name in _by_share(grade) if name not in grade.beside)
+    most = sum(grade.shares.get(name, 0.0) for name in main)
+    if found.verdict == "partial" and main and grade.beside and most >= NAMED:
+        return f"{_explains(main, most)}{_beside(grade, main)}{reach}"
+    names, share = _by_share(grade), grade.explained.share
     if found.verdict == "ambiguous":
         others = _or((*grade.rivals, *grade.alike))
-        return (
-            f"{names} explains the recordings, and so does {others}; they cannot be distinguished"
-        )
-    said = (
-        f"{names} explains {share:.0f} % of the explainable error of recordings left out of the fit"
-    )
+        return f"{' + '.join(names)} explains the recordings, and so does {others}; they cannot be distinguished"
+    said = _explains(names, share)
     if found.verdict == "named":
         adequate = grade.chosen.adequate and not grade.chosen.rejected
         return said + (", and leaves nothing that the detector sees" if adequate else reach)
     return f"{said}: {_lacking(grade, grade.explained)}{reach}"
+
+
+def _explains(names: Sequence[str], share: float) -> str:
+    return f"{' + '.join(names)} explains {100.0 * share:.0f} % of the explainable error of recordings left out of the fit"
+
+
+def _beside(grade: Grade, main: Sequence[str]) -> str:
+    """What is told of the little that the main effects of a set leave."""
+    others = {
+        " + ".join(name for name in one.effects if name not in main)
+        for one in grade.alike
+        if set(main) < set(one.effects)
+    }
+    so_does = f", and so does {' or '.join(sorted(others))}" if others else ""
+    return f"; beside it is something small, which {' and '.join(grade.beside)} explains{so_does}"
 
 
 def _unexplained(grade: Grade) -> str:
@@ -253,13 +269,21 @@ def _lacking(grade: Grade, explained: Explained) -> str:
         return "not all of it"
     if explained.low < SURE:
         return f"{100.0 * explained.low:.0f} % of it surely"
-    return "not in every fold"
+    return "not in every fold, or another set is likelier where both were fitted"
 
 
 def _baseline(found: Diagnosis) -> dict[str, dict[str, object]]:
+    """Numbers of the plain model; where χ² has several dips the curvature of one of them tells too little."""
     base = found.baseline
     known = intervals(base.model, base.fits.values[0], base.jacobian, base.tangent, base.rows)
-    return {one.key: _value(one) for one in known}
+    told = {one.key: one for one in base.found.profiles}
+    wider = (
+        replace(one, low=min(one.low, told[one.key].low), high=max(one.high, told[one.key].high))
+        if one.key in told
+        else one
+        for one in known
+    )
+    return {one.key: _value(one) for one in wider}
 
 
 def _value(one: Interval) -> dict[str, object]:

@@ -24,6 +24,7 @@ from meso_robust.diagnosis.rejection import Ground
 from meso_robust.diagnosis.rivals import EQUAL_NATS, another_law, behind, equal, holds, law_open
 
 _JUDGED = {True: 4, False: 8}  # sets that are predicted fold by fold, if quick and if not
+_FEW = 6  # recordings, of fewer of which a set that is not the likeliest may be the best by luck
 _MOST_OF_ALL = 0.5  # of the explainable error, that one effect explains which fails to carry over
 
 
@@ -124,6 +125,8 @@ def _answer(
     chosen, everywhere = _holding(judge, naming, pool, seed)
     if chosen is None:
         return None, (), True
+    if len(judge.bench.fold) < _FEW and pool[0].score - chosen.score > EQUAL_NATS:
+        everywhere = False
     rivals = [one for one in pool if equal(judge, chosen, one, seed)]
     # what all of them share is sure; which of the rest is not, and stays a remainder
     others = [one for one in rivals if not another_law(chosen, one)]

@@ -6,6 +6,7 @@ recordings with many vectors of parameters in one batch.
 
 from __future__ import annotations
 
+from contextlib import suppress
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -268,10 +269,20 @@ def _observed(prepared: Prepared, path: Floats, table: Floats) -> Floats:
         return path
     count, recordings = path.shape[:2]
     rows = np.broadcast_to(table, (count * recordings, SLOTS)).reshape(count, recordings, SLOTS)
-    seen = np.empty_like(path)
-    none = np.zeros((count, path.shape[2], 0, 2))
-    for r in range(recordings):
-        seen[:, r], _ = observe(
-            prepared.instants[r], path[:, r], none, rows[:, r], probes_seen_by_camera=False
+    seen = path.copy()
+    none = np.zeros((1, path.shape[2], 0, 2))
+
+    def shown(r: int, which: slice) -> None:
+        tips = np.repeat(none, len(path[which]), axis=0)
+        seen[which, r], _ = observe(
+            prepared.instants[r], path[which, r], tips, rows[which, r], probes_seen_by_camera=False
         )
+
+    for r in range(recordings):
+        try:
+            shown(r, slice(None))
+        except ValueError:  # a part that ran away, to where the lens folds the image over
+            for k in range(count):
+                with suppress(ValueError):  # is shown where it is: as far from what was seen
+                    shown(r, slice(k, k + 1))
     return seen

@@ -3,12 +3,14 @@
 A parameter is held at a value and everything else refitted; χ² then rises by Δ. By Wilks' theorem
 (doi:10.1214/aoms/1177732360) the values with Δ below the quantile of χ² with one degree of freedom
 form a confidence interval. Where Δ never gets there before the range of the parameter ends, the
-interval is open on that side: the recordings give no bound.
+interval is open on that side: the recordings give no bound. χ² has kinks where a contact begins to
+slip, and dips between them: what lies beyond the end of a dip is looked at as well.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from scipy.stats import chi2 as chi2_law
@@ -24,6 +26,8 @@ _ROUNDS = 8  # most values that are tried on one side of a parameter
 _CLOSE = 0.12  # relative distance from the quantile (as a root) from which a line is good enough
 _FITS = 8  # most iterations of a fit with one parameter held
 _BETTER = 0.5  # fall of χ² that shows that the fit was not the best one
+_BEYOND = (2.0, 4.0, 8.0, 16.0)  # times the distance of an end, where it is looked for another dip
+_DIPS = 3  # most that are gone through
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -111,21 +115,20 @@ def profiled(
         side.trial = min(side.trial, side.limit)
         side.done = side.open = side.limit <= 0.0
     lowest, better = -_BETTER, None
-    for _ in range(_ROUNDS):
-        active = [side for side in sides if not side.done]
-        if not active:
-            break
-        values = np.stack([_placed(model, best.fits.values[0], slopes, side) for side in active])
+
+    def rises(trials: list[_Side]) -> list[tuple[float, float]]:
+        """Distance and t of each trial, all others following."""
+        nonlocal lowest, better
+        values = np.stack([_placed(model, best.fits.values[0], slopes, side) for side in trials])
         held = np.zeros(values.shape, dtype=bool)
-        held[np.arange(len(active)), [side.column for side in active]] = True
-        starts, offsets = best.fits.starts[0], best.fits.offsets[0]
+        held[np.arange(len(trials)), [side.column for side in trials]] = True
         found = fit(
             prepared,
             model,
             values,
             quick,
-            starts=starts,
-            offsets=offsets,
+            starts=best.fits.starts[0],
+            offsets=best.fits.offsets[0],
             held=held,
             jacobian=best.jacobian,
         ).fits
@@ -133,9 +136,13 @@ def profiled(
         if rise.min() < lowest:
             lowest, better = float(rise.min()), found.values[int(np.argmin(rise))]
         reached = np.abs(model.coordinates(found.values) - centre)
-        for side, distances, delta in zip(active, reached, rise, strict=True):
-            t = float(np.sqrt(max(delta, 0.0) / inflation))
-            _advance(side, float(distances[side.column]), t, root)
+        roots = np.sqrt(np.maximum(rise, 0.0) / inflation)
+        return [
+            (float(of[one.column]), float(t))
+            for one, of, t in zip(trials, reached, roots, strict=True)
+        ]
+
+    _search(sides, rises, root)
     columns = np.flatnonzero(model.fitted)
     pairs = zip(sides[::2], sides[1::2], strict=True)
     made = [
@@ -143,6 +150,38 @@ def profiled(
         for k, pair in zip(columns, pairs, strict=True)
     ]
     return Profiled(profiles=tuple(made), better=better)
+
+
+def _search(
+    sides: list[_Side], rises: Callable[[list[_Side]], list[tuple[float, float]]], root: float
+) -> None:
+    """Find the end of every side, and go on where there is another dip beyond it."""
+    for _ in range(_DIPS):
+        for _ in range(_ROUNDS):
+            active = [side for side in sides if not side.done]
+            if not active:
+                break
+            for side, (distance, t) in zip(active, rises(active), strict=True):
+                _advance(side, distance, t, root)
+        far = [one for side in sides if not side.open for one in _beyond(side, root)]
+        found = rises([trial for _, trial in far]) if far else []
+        for (side, trial), (distance, t) in zip(far, found, strict=True):
+            if t < root and trial.trial > side.inner[0]:
+                side.inner, side.outer, side.done = (distance, t), None, False
+                side.trial = min(1.5 * distance, side.limit)
+                side.points.append(side.inner)
+        if all(side.done for side in sides):
+            break
+
+
+def _beyond(side: _Side, root: float) -> list[tuple[_Side, _Side]]:
+    """The side, and trials of its own beyond where it ended."""
+    end = _crossing(side, root)
+    return [
+        (side, replace(side, trial=share * end, points=[]))
+        for share in _BEYOND
+        if 0.0 < share * end < side.limit
+    ]
 
 
 def _conditionals(information: Floats, fitted: Flags) -> tuple[Floats, Floats]:
@@ -207,8 +246,10 @@ def _advance(side: _Side, distance: float, t: float, root: float) -> None:
 
 
 def _crossing(side: _Side, root: float) -> float:
-    """Distance at which t reaches the root, by a line through the nearest point and its neighbour."""
-    points = sorted([(0.0, 0.0), *side.points])
+    """Distance at which t reaches the root last, by a line through the nearest point and its neighbour."""
+    every = sorted({(0.0, 0.0), *side.points})
+    last = every.index(side.inner)  # before it χ² may have reached the root, and come back
+    points = every[max(last - 1, 0) :]
     distance, t = np.array(points).T
     nearest = 1 + int(np.argmin(np.abs(t[1:] - root)))
     other = nearest - 1

@@ -24,6 +24,7 @@ _FASTEST = 0.4  # of the frame rate
 _SLOWEST = 0.5  # cycles in a piece
 _STEPS = 4.0  # rates for each cycle in a piece
 _MOST = 0.95  # correlation that shocks are freed of
+_SURE = 1.645  # standard errors from nought, of a size that more than one rest tells
 _ROUNDING = 1e-12  # of a coordinate: less is no scatter
 
 
@@ -75,7 +76,8 @@ def pieces(rests: Sequence[Rest]) -> list[Rest]:
         Those that have frames enough.
     """
     cut = []
-    for times, poses in rests:
+    for all_times, all_poses in rests:
+        times, poses = all_times[:-1], all_poses[:-1]  # in the last one a push may have begun
         count = -(-len(times) // _LONGEST)
         parts = np.array_split(np.arange(len(times)), max(count, 1))
         cut += [(times[part], poses[part]) for part in parts if len(part) >= _FEWEST]
@@ -139,6 +141,8 @@ def sway_of(rests: Sequence[Rest], frame_rate: float) -> Sway | None:
     step = 1.0 / (_STEPS * lasted)
     rate, rate_error = _sharp(cut, float(rates[np.argmax(own)]), step)
     size, error = _size(cut, rate)
+    if np.all(size <= _SURE * error):
+        return None  # one rest's own motion: that of others tells nothing of it
     p_value = 1.0 / (1 + sum(_DRAWN))
     return Sway(rate=rate, rate_error=rate_error, size=size, error=error, p_value=p_value)
 

@@ -532,6 +532,28 @@ def test_a_rival_that_leaves_the_law_open_makes_an_answer_partial(
         assert "camera_latency + part_yaw" in _why(found)
 
 
+def test_what_is_told_first_is_what_explains_most_and_then_what_is_beside_it(
+    late: Diagnosis,
+) -> None:
+    """A reader must not doubt a delay for what of two small things is beside it."""
+    whole, other = (stated("camera_latency", name, gain=1.0) for name in ("part_yaw", "drag_drift"))
+    grade = replace(
+        late.grade,
+        verdict="partial",
+        chosen=whole,
+        beside=("part_yaw",),
+        alike=(other,),
+        shares={"camera_latency": 0.97, "part_yaw": 0.02},
+    )
+    said = _why(replace(late, grade=grade))
+    assert said.startswith("camera_latency explains 97 % of the explainable error")
+    assert (
+        "; beside it is something small, which part_yaw explains, and so does drag_drift;" in said
+    )
+    most = replace(grade, shares={"camera_latency": 0.7, "part_yaw": 0.2})
+    assert "but so does camera_latency + drag_drift" in _why(replace(late, grade=most))
+
+
 def test_a_law_is_open_where_another_one_of_the_same_physics_explains_nearly_as_much() -> None:
     """However surely it leaves more, and though it is the less likely one where both were fitted."""
     own, other = (

@@ -242,3 +242,21 @@ def test_tips_that_the_camera_shows_are_shown_as_the_part_is(quiet: RecordingSet
     expected = np.stack([z.real, z.imag, true[..., 2] + np.deg2rad(1.3)], axis=-1)
     assert np.nanmax(np.abs(expected - true)) > 1e-5
     np.testing.assert_allclose(found, expected, atol=2e-9)
+
+
+def test_a_part_that_runs_away_from_under_a_lens_is_far_off_and_no_refusal(
+    quiet: RecordingSet,
+) -> None:
+    """So far out that the lens folds the image over nothing is seen; other vectors of the batch are."""
+    prepared = prepare(quiet, step=MODEL.step)
+    model = with_effects(MODEL, {"lens_distortion": {"k1_per_mm2": 1e-3}})
+    (lens,) = [one.key for one in model.parameters if one.key.endswith("k1_per_mm2")]
+    values = np.tile(
+        [{"rho_um2": RHO, "mu": MU, lens: -1e3}.get(key, 0.0) for key in model.keys], (2, 1)
+    )
+    starts = np.stack([prepared.starts, prepared.starts])
+    starts[1, :, :2] += 1.0
+    found = predicted(prepared, model, values, starts=starts)
+    alone = predicted(prepared, model, values[:1], starts=starts[:1])
+    np.testing.assert_array_equal(found.poses[0], alone.poses[0])
+    assert np.nanmin(np.abs(found.poses[1] - prepared.seen)[..., 0]) > 0.5

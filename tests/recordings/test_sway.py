@@ -11,6 +11,7 @@ from meso_robust.recordings import RecordingSet, SensorInfo
 from meso_robust.recordings.direct.run import direct_tests
 from meso_robust.recordings.noise import estimated_noise
 from meso_robust.recordings.still import still
+from meso_robust.recordings.sway import sway_of
 from tests.recordings.planted import RATE, SIGMA, TURN_SIGMA, UM, Floats, clean, one
 
 UNKNOWN = SensorInfo(frame_rate=RATE)
@@ -69,6 +70,17 @@ def test_a_sway_is_sized_and_is_not_in_the_noise(size: float, rate: float) -> No
     for axis, sigma in ((found.x, SIGMA), (found.y, SIGMA), (found.theta, TURN_SIGMA)):
         assert axis.sigma == pytest.approx(sigma, rel=0.25)
         assert axis.correlation == pytest.approx(0.0, abs=0.35)
+
+
+@pytest.mark.parametrize("frames", [1, 2])
+def test_a_part_that_moves_in_one_rest_is_no_sway(frames: int) -> None:
+    """Under a slow camera the last frames at rest may be ones in which it was pushed."""
+    for seed in range(4):
+        rng, times = np.random.default_rng(seed), np.arange(10) / 5.0
+        rests = [(times, rng.normal(size=(10, 3)) * [SIGMA, SIGMA, TURN_SIGMA]) for _ in range(12)]
+        pushed = np.maximum(np.arange(10) - (9 - frames), 0) / frames
+        rests[4][1][:, :2] += 16.0 * SIGMA * pushed[:, None]
+        assert sway_of(rests, 5.0) is None
 
 
 def test_a_sway_is_told_by_the_direct_tests() -> None:
