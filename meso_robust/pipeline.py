@@ -23,7 +23,9 @@ from meso_robust.certificates.document import (
 )
 from meso_robust.certificates.margin import Margin, margin
 from meso_robust.laboratory.crosscheck import CrossCheck, confirmed, crosscheck
+from meso_robust.laboratory.replay import Feedback
 from meso_robust.laboratory.running import STARTS_INSIDE, STEP, WOULD_START_INSIDE
+from meso_robust.laboratory.witness import more_of
 from meso_robust.planning.compose import Found, compose
 from meso_robust.planning.document import PlanDocument, goal_document, plan_document
 from meso_robust.primitives.setup import PoseBox, Setup, setup_of
@@ -206,7 +208,10 @@ def _certificate(
 ) -> CertificateDocument:
     verdict, witness, outcome = chain.verdict, None, None
     if verdict is Verdict.UNKNOWN and confirmed(found.rules, setup, check):
-        verdict, witness, outcome = Verdict.REFUTED, *_witness(check)
+        verdict, witness, outcome = (
+            Verdict.REFUTED,
+            *_witness(check, Feedback(rules=found.rules, setup=setup)),
+        )
     moves, undecided = len(found.rules), undecided_document(chain, found.settled_by)
     document = CertificateDocument(
         verdict=verdict.word,
@@ -267,7 +272,7 @@ def _ending(check: CrossCheck, row: int) -> _Ending:
     return _Ending(outcome.name.lower(), f"move {move}: {outcome.message}", move)
 
 
-def _witness(check: CrossCheck) -> tuple[WitnessDocument, str]:
+def _witness(check: CrossCheck, player: Feedback) -> tuple[WitnessDocument, str]:
     """The run that fails, and how it ends in words."""
     row = check.failure
     if row is None:
@@ -292,6 +297,7 @@ def _witness(check: CrossCheck) -> tuple[WitnessDocument, str]:
         ),
         dual_probe=pairs("dual"),
         single_probe=pairs("single"),
+        more=more_of(player, player.rows_of(check.draws)[row]),
     )
     return document, ending.words
 

@@ -47,22 +47,25 @@ def square_metres(value_um2: float) -> Interval:
     return Interval.exactly(Fraction(repr(float(value_um2))) / 10**12)
 
 
-def radians(value_deg: float) -> Interval:
+def radians(value_deg: float, turns: int = 0) -> Interval:
     """Enclose an angle given in deg, in rad.
 
     Parameters
     ----------
     value_deg
         An angle, deg.
+    turns
+        Whole turns that are added before anything is rounded.
 
     Returns
     -------
     Interval
         Radians.
     """
-    if value_deg == 0.0:  # a product is rounded outward, and what is exact shall cost nothing
+    quarters = Fraction(repr(float(value_deg))) / 90 + 4 * turns
+    if quarters == 0:  # a product is rounded outward, and what is exact shall cost nothing
         return Interval.point(0.0)
-    return Interval.exactly(Fraction(repr(float(value_deg))) / 90) * HALF_PI
+    return Interval.exactly(quarters) * HALF_PI
 
 
 def plain(value: float) -> Interval:

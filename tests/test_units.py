@@ -10,6 +10,7 @@ import pytest
 from hypothesis import given, strategies as st
 
 from meso_robust import units
+from meso_robust.bounds import Interval
 from tests.strategies import REPEATABLE
 
 EXACT = mpmath.mp.clone()
@@ -54,6 +55,13 @@ def test_a_decimal_is_not_the_double_nearest_to_it(value: float) -> None:
 def test_display_conversions_undo_the_units() -> None:
     assert units.to_um(units.metres(418.5).mid) == pytest.approx(418.5, rel=1e-14)
     assert units.to_deg(units.radians(30.0).mid) == pytest.approx(30.0, rel=1e-14)
+
+
+@pytest.mark.parametrize("turns", [-2, -1, 1, 2])
+def test_whole_turns_are_added_without_rounding(turns: int) -> None:
+    """As narrow as any angle: a checker that knows the angle exactly compares to a few last digits."""
+    assert units.radians(360.0, -1) == Interval.point(0.0)
+    assert units.radians(358.5, turns) == units.radians(358.5 + 360.0 * turns)
 
 
 @pytest.mark.parametrize("convert", [units.metres, units.radians, units.plain])

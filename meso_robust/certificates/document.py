@@ -196,6 +196,9 @@ class WitnessDocument(Document):
     """Position error of the dual-tip probe in each move, [x, y], m."""
     single_probe: tuple[HexPair, ...]
     """Position error of the single tip in each move, [x, y], m."""
+    more: dict[str, str] = Field(default_factory=dict)
+    """What else the task leaves open (the tips' radii and friction, the part's edges, drag, travel), by the names of
+    `witness.json`; SI units, hexadecimal."""
 
 
 class MarginDocument(Document):

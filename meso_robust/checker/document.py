@@ -125,6 +125,7 @@ class WitnessDocument(Model):
     sensing: tuple[tuple[str, str, str], ...]
     dual_probe: tuple[HexPair, ...]
     single_probe: tuple[HexPair, ...]
+    more: dict[str, str] = {}
 
 
 class LimitDocument(NamedDocument):

@@ -1,6 +1,7 @@
 """The run of a REFUTED certificate, made once more by the checker's own proof of every move.
 
-A run is the claim with each range that the witness states put to one number, so what proves a move from a whole box proves
+A run is the claim with each range that the witness states put to one number (all others stay as wide as the
+task leaves them: what is proved holds for the run as well), so what proves a move from a whole box proves
 where this run goes: to a box that is as narrow as the arithmetic, or as the tube of a rotation, whose
 slide need not be unique. Three things can come out:
 
@@ -125,7 +126,10 @@ class _Run:
         return cls(
             given=replace(
                 given,
-                friction=side_of(_number(witness.friction, given.friction)),
+                # of tips that each have a friction of their own the witness's one number tells nothing
+                friction=side_of(_number(witness.friction, given.friction))
+                if given.common_friction
+                else given.friction,
                 film_ratio=side_of(_number(witness.film_ratio_m2, given.film_ratio)),
                 misalignment=side_of(_number(witness.misalignment_rad, given.misalignment)),
             ),

@@ -54,6 +54,7 @@ EVIDENCE = (
 """What no check can confirm: evidence, not proof."""
 ALONE = "margin.each_alone, margin.binds_first: confirmed only with --thorough"
 OPEN = "steps, undecided: what was proved of single moves, and which inequality is open"
+MORE = "witness.more: numbers that are not put in place of the task's ranges"
 SIMULATED = "witness.outcome: how the run fails is what the simulator found"
 REPLAY = "meso-robust simulate TASK.toml PLAN.json --witness CERTIFICATE.json"
 
@@ -160,6 +161,7 @@ def _refuted(certificate: Certificate, known: Given) -> Answer:
         check_rule(rule)
     margins.check_none(certificate.margin)
     witness = check_witness(certificate, known)
+    more = (MORE,) if witness.more else ()
     fate = replay(witness, certificate.policy, known)
     move = "" if fate.move is None else f"move {fate.move}: "
     why = f"{move}{words.sentence(fate.why)}"
@@ -170,13 +172,13 @@ def _refuted(certificate: Certificate, known: Given) -> Answer:
             verdict="WITNESS CONFIRMED",
             claims="the plan fails: of the witness, a run within the bounds of the task, it is proved "
             f"that it fails ({why})",
-            not_checked=(*EVIDENCE, OPEN),
+            not_checked=(*EVIDENCE, *more, OPEN),
         )
     return Answer(
         verdict="WITNESS UNDECIDED",
         claims=f"the witness keeps within the bounds of the task; that it fails was not shown here, "
         f"as the checker cannot follow it ({why}), and rests on the simulator alone: `{REPLAY}`",
-        not_checked=(*EVIDENCE, OPEN, SIMULATED),
+        not_checked=(*EVIDENCE, *more, OPEN, SIMULATED),
     )
 
 

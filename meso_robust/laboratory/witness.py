@@ -13,7 +13,7 @@ from pydantic import BaseModel, ValidationError
 from meso_robust.bounds import VerdictWord
 from meso_robust.certificates.document import CertificateDocument, WitnessDocument
 from meso_robust.errors import InputError
-from meso_robust.laboratory.draws import RANGES, nominal
+from meso_robust.laboratory.draws import nominal
 from meso_robust.laboratory.engines import Engine
 from meso_robust.laboratory.replay import Feedback, Player, limits
 from meso_robust.laboratory.witness_file import hex_double, row_of
@@ -24,6 +24,8 @@ from meso_robust.primitives.setup import setup_of
 from meso_robust.task import Task
 from meso_robust.types import Floats
 
+_OWN = ("start", "friction", "film_ratio", "misalignment", "sensing", "dual", "single")
+"""Fields of draws that have keys of their own in a certificate's witness."""
 ROUNDING = 1e-15  # m and rad; of the first sensing error, which follows from the start
 
 
@@ -130,6 +132,25 @@ def _of_a_certificate(
     return Witness(row=witness_row(found.witness, player, path), breaks=(found.witness.outcome,))
 
 
+def more_of(player: Feedback, row: Floats) -> dict[str, str]:
+    """What a certificate holds of a run beside what has a key of its own there.
+
+    Parameters
+    ----------
+    player
+        The plan.
+    row
+        (D,) the run, in the order of the player's columns, SI.
+
+    Returns
+    -------
+    dict
+        Hexadecimal doubles by the names of the columns.
+    """
+    slots = zip(player.slots, row, strict=True)
+    return {one.column.name: float(value).hex() for one, value in slots if one.field not in _OWN}
+
+
 def witness_row(witness: WitnessDocument, player: Feedback, source: str) -> Floats:
     """The run of a certificate's witness.
 
@@ -165,12 +186,17 @@ def witness_row(witness: WitnessDocument, player: Feedback, source: str) -> Floa
         dual=_per_move(witness.dual_probe, moves, f"{source}: key witness.dual_probe"),
         single=_per_move(witness.single_probe, moves, f"{source}: key witness.single_probe"),
     )
-    if any(getattr(stated, name) is not None for name in RANGES):
-        raise InputError(
-            f"{source}: key witness: states point tips and an exact part, and the task does not; "
-            "give a witness.json, which holds everything"
-        )
     row = player.rows_of(draws)
+    others = {s.column.name: k for k, s in enumerate(player.slots) if s.field not in _OWN}
+    for name in sorted({*others} ^ {*witness.more}):
+        what = "unknown: the task leaves nothing of that name open"
+        if name in others:
+            what = "missing: the task leaves it open"
+        raise InputError(
+            f"{source}: key witness.more.{name} is {what}; plan the task again, or give a witness.json"
+        )
+    for name, k in others.items():
+        row[0, k] = hex_double(witness.more[name], f"{source}: key witness.more.{name}")
     _check_bounds(row[0], player, source)
     implied = np.array(player.setup.start.mid) - draws.start[0]
     if not np.abs(draws.sensing[0, 0] - implied).max() <= ROUNDING:

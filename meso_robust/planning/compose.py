@@ -545,6 +545,7 @@ def _quarter_turns(setup: Setup) -> int:
             "the rotation primitive pushes on the long edge, but the short one faces the probe"
         )
     _check_facing(start, setup)
+    _check_flat(setup)
     return turns
 
 
@@ -560,6 +561,7 @@ def _turns_of_polygon(setup: Setup) -> int:
     _check_facing(start, setup)
     edge = setup.edge(start)
     if edge == setup.edge(goal):
+        _check_flat(setup)
         return 0
     if not math.radians(LEAST_TURN) < goal - start < math.radians(MOST_TURN):
         raise NotApplicableError(
@@ -592,6 +594,19 @@ def _check_facing(theta: float, setup: Setup) -> None:
         raise NotApplicableError(
             f"the part stands {math.degrees(off):.1f} deg from upright to the probe, and no "
             "primitive is certified beyond 20 deg; start with an edge facing the probe"
+        )
+
+
+def _check_flat(setup: Setup) -> None:
+    """Refuse a goal in which no edge lies flat on the tips, as it does after every plan."""
+    goal, tips = setup.goal.theta, setup.uncertainty.misalignment
+    off = goal.mid - setup.edge(goal.mid).turn.mid - HALF_PI.mid
+    reach = 0.5 * (goal.hi - goal.lo)
+    if abs(off) > reach + max(-tips.lo, tips.hi):
+        raise NotApplicableError(
+            f"the goal stands {math.degrees(off):.1f} deg from upright to the probe, with a tolerance of "
+            f"{math.degrees(reach):.1f} deg, and every plan ends with an edge flat on both tips: give a goal in which "
+            "an edge faces a heading ([probe] headings), or a wider tolerance"
         )
 
 

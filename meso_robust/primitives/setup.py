@@ -423,9 +423,7 @@ def _blocks(slot: Slot) -> tuple[Block, ...]:
 
 def _unwrapped(start_deg: float, goal_deg: float) -> Interval:
     """The start's orientation, rad, by whole turns as close to the goal's as it can be."""
-    turns = round((goal_deg - start_deg) / 360.0)
-    start = units.radians(start_deg)
-    return start if turns == 0 else start + HALF_PI * Interval.point(4.0 * turns)
+    return units.radians(start_deg, round((goal_deg - start_deg) / 360.0))
 
 
 def _both_sides(largest: Interval) -> Interval:

@@ -12,10 +12,12 @@ import pytest
 from meso_robust.checker.document import Certificate, WitnessDocument
 from meso_robust.checker.inputs import given
 from meso_robust.checker.refusal import Refused
+from meso_robust.checker.replay import _Run
 from meso_robust.checker.witness import check_witness
 from meso_robust.laboratory.draws import Draws, draw
 from meso_robust.primitives.setup import setup_of
 from tests.conftest import paper_task
+from tests.laboratory.test_box import real_task
 
 MOVES, RUNS = 4, 200  # half of them at corners
 TASK = paper_task()
@@ -58,3 +60,14 @@ def test_a_run_beyond_a_bound_by_a_billionth_is_none(name: str) -> None:
     value[last] *= 1.0 + 1e-9
     with pytest.raises(Refused, match="witness"):
         check_witness(witness(replace(DRAWS, **{name: value}), last), given(TASK))
+
+
+@pytest.mark.parametrize("schema", [1, 2])
+def test_a_number_for_all_tips_is_that_of_no_tip_with_a_friction_of_its_own(schema: int) -> None:
+    """What is proved with it would be proved of another run."""
+    task = TASK if schema == 1 else real_task()
+    of = given(task)
+    run = _Run.of(check_witness(witness(DRAWS, 1), of), of)
+    ends = [[float(end) for end in one.friction] for one in (run.given, of)]
+    assert (ends[0] == ends[1]) is (schema == 2)
+    assert ends[1][0] <= ends[0][0] <= ends[0][1] <= ends[1][1]

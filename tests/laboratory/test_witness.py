@@ -3,22 +3,25 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
+from meso_robust.certificates.document import WitnessDocument
 from meso_robust.errors import InputError
 from meso_robust.laboratory.draws import draw
 from meso_robust.laboratory.replay import Feedback
 from meso_robust.laboratory.running import run
 from meso_robust.laboratory.simulation import player_of
-from meso_robust.laboratory.witness import read_witness
+from meso_robust.laboratory.witness import more_of, read_witness, witness_row
 from meso_robust.planning.plan_file import RuleDocument
 from meso_robust.primitives.setup import setup_of
 from tests.conftest import paper_task
 from tests.laboratory.paper import REPORT, paper_plan_document, paper_player
+from tests.laboratory.test_box import real_task
 
 EARLIER = Path(__file__).parents[1] / "checker"
 SOURCES = {
@@ -96,3 +99,46 @@ def test_witness_that_is_none_is_refused(
     with pytest.raises(InputError, match=words) as refused:
         read_witness(path, paper_task(), paper_plan_document(), paper_player())
     assert str(path) in str(refused.value)
+
+
+def of_real_probes() -> tuple[Feedback, np.ndarray, WitnessDocument]:
+    """A run with round tips, a friction of each tip and a real part, and what a certificate holds of it."""
+    player = replace(paper_player(), setup=setup_of(real_task()))
+    draws = draw(player.setup, 4, 3, np.random.default_rng(9))
+    row = player.rows_of(draws)[2]
+
+    def hexed(array: np.ndarray) -> Any:
+        return float(array).hex() if array.ndim == 0 else tuple(hexed(part) for part in array)
+
+    held = WitnessDocument(
+        outcome="made up",
+        start=hexed(draws.start[2]),
+        friction=hexed(draws.friction[2]),
+        film_ratio_m2=hexed(draws.film_ratio[2]),
+        misalignment_rad=hexed(draws.misalignment[2]),
+        sensing=hexed(draws.sensing[2]),
+        dual_probe=hexed(draws.dual[2]),
+        single_probe=hexed(draws.single[2]),
+        more=more_of(player, row),
+    )
+    return player, row, held
+
+
+def test_a_certificate_holds_all_of_a_run_with_real_probes() -> None:
+    player, row, held = of_real_probes()
+    assert np.array_equal(witness_row(held, player, "certificate.json")[0], row)
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        ({}, r"witness\.more\.dtp_bottom radius_m is missing: the task leaves it open"),
+        ({"colour": "0x1p-1"}, r"witness\.more\.colour is unknown"),
+        ({"dtp_top radius_m": "0x1p-1"}, r"dtp_top radius_m = 0\.5; must lie within"),
+    ],
+)
+def test_a_run_that_is_not_all_there_is_refused(change: dict[str, str], words: str) -> None:
+    player, _, held = of_real_probes()
+    left = {name: value for name, value in held.more.items() if change or "radius" not in name}
+    with pytest.raises(InputError, match=words):
+        witness_row(held.model_copy(update={"more": left | change}), player, "certificate.json")

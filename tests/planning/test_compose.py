@@ -87,6 +87,13 @@ def test_poses_that_no_primitive_handles(theta: float, words: str) -> None:
         compose(paper_task(start__theta_deg=theta))
 
 
+def test_a_goal_that_no_edge_lies_flat_in_is_refused_at_once() -> None:
+    task = paper_task(start__theta_deg=180.0, goal__theta_deg=186.0)
+    assert task.goal.orientation_tolerance_deg < 6.0
+    with pytest.raises(NotApplicableError, match=r"the goal stands 6\.0 deg from upright"):
+        compose(task)
+
+
 def test_what_a_plan_bears_least_is_suspected_first_and_how_far_it_holds_is_told() -> None:
     task = paper_task(uncertainty__friction=[0.1, 0.56])
     rules = robust_at(task, composing.REDUCED[-1])
