@@ -20,7 +20,6 @@ Box = Mapping[str, Interval]
 POINTS = (128, 2048)  # of a box, at which a proof is seen to be in vain; drawn once and for all
 MOST_BOXES = 4096  # a proof that needs more is given up as UNKNOWN
 REASONS = {
-    branch.TOO_MANY: f"{MOST_BOXES} boxes did not suffice",
     branch.INDIVISIBLE: "no side can be divided further: zero to within rounding",
     branch.UNDEFINED: "a bound is infinite: the left side may be undefined here",
 }
@@ -57,7 +56,9 @@ class Proof:
     """UNKNOWN: why ``box`` stayed open."""
 
 
-def prove_positive(of: Bounded, box: Box, *, any_output: bool = False) -> Proof:
+def prove_positive(
+    of: Bounded, box: Box, *, any_output: bool = False, most: int = MOST_BOXES
+) -> Proof:
     """Decide whether the outputs of ``of`` are positive over ``box``.
 
     Parameters
@@ -68,6 +69,8 @@ def prove_positive(of: Bounded, box: Box, *, any_output: bool = False) -> Proof:
         An interval for each input.
     any_output
         False: all outputs must be positive at every point. True: at every point at least one.
+    most
+        How many boxes may be made before the proof is given up.
 
     Returns
     -------
@@ -84,15 +87,14 @@ def prove_positive(of: Bounded, box: Box, *, any_output: bool = False) -> Proof:
         return Proof(
             verdict=Verdict.UNKNOWN, lower=-np.inf, boxes=0, box=box, reason="a side is infinite"
         )
-    outcome, least, boxes, at_lo, at_hi = branch.decide(of, lo, hi, any_output, MOST_BOXES)
+    outcome, least, boxes, at_lo, at_hi = branch.decide(of, lo, hi, any_output, most)
     if outcome == branch.PROVED:
         return Proof(verdict=Verdict.PROVED, lower=least, boxes=boxes, box=box)
     at = _named(of, at_lo, at_hi)
     if outcome == branch.REFUTED:
         return Proof(verdict=Verdict.REFUTED, lower=-np.inf, boxes=boxes, box=at)
-    return Proof(
-        verdict=Verdict.UNKNOWN, lower=-np.inf, boxes=boxes, box=at, reason=REASONS[outcome]
-    )
+    reason = REASONS.get(outcome, f"{most} boxes did not suffice")
+    return Proof(verdict=Verdict.UNKNOWN, lower=-np.inf, boxes=boxes, box=at, reason=reason)
 
 
 def fails_somewhere(of: Bounded, box: Box) -> bool:

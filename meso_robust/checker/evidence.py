@@ -16,10 +16,11 @@ def check_evidence(certificate: Certificate) -> None:
         A part exceeds its whole.
     """
     told, moves = certificate.simulation, len(certificate.policy)
+    proved = certificate.verdict == "PROVED"  # then the box lies in the goal
     for part, whole in (
         ("completed", "samples"),
         ("in_goal", "completed"),
-        ("in_certified_box", "samples"),
+        ("in_certified_box", "in_goal" if proved else "samples"),
     ):
         most, own = getattr(told, whole), getattr(told, part)
         if own is not None and own > most:

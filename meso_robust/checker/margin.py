@@ -14,8 +14,17 @@ from meso_robust.checker.refusal import Refused
 from meso_robust.task import Task
 
 
-def check_form(margin: MarginDocument, names: Collection[str]) -> None:
-    """What must hold of the margin's numbers among each other, ``names`` being what can be scaled.
+def check_form(margin: MarginDocument, names: Collection[str], actions: Collection[str]) -> None:
+    """What must hold of the margin's numbers among each other, and of what it names.
+
+    Parameters
+    ----------
+    margin
+        As stated.
+    names
+        What can be scaled.
+    actions
+        What the moves of the plan are.
 
     Raises
     ------
@@ -32,6 +41,9 @@ def check_form(margin: MarginDocument, names: Collection[str]) -> None:
         raise Refused(place("margin.factor"), margin.factor, f"1 to {alone[least]}")
     if (margin.refused_at is None) != (margin.limit is None):
         raise Refused(place("margin.limit"), margin.limit, margin.refused_at)
+    # a certificate of schema 1 names none
+    if margin.limit is not None and margin.limit.action not in ("", *actions):
+        raise Refused(place("margin.limit.action"), margin.limit.action, sorted(set(actions)))
     if margin.refused_at is not None and not margin.factor < margin.refused_at:
         raise Refused(place("margin.refused_at"), margin.refused_at, margin.factor)
 

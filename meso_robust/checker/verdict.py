@@ -137,7 +137,8 @@ def _check(
     if certificate.verdict == "REFUTED":
         return _refuted(certificate, known)
     _check_shape(certificate)
-    margins.check_form(certificate.margin, uncertainties(known))
+    actions = [rule.action for rule in certificate.policy]
+    margins.check_form(certificate.margin, uncertainties(known), actions)
     boxes = _boxes(certificate, known)
     _check_steps(certificate, known, boxes, prover)
     if not elsewhere():

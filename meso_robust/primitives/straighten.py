@@ -186,8 +186,9 @@ def _first_contacts(theta: Interval, aligned: Interval) -> list[tuple[int, Inter
 SMALLEST, LARGER, MOST_TRIALS, CLOSE = 0.5, 1.25, 20, 1.07
 """Bounds of the creep that are tried: depths of the edge, growing by a factor, and how closely the least
 is looked for. Effort only."""
-FOR_OTHERS = 1.05
-"""By which the least one found is enlarged, so that a checker whose enclosures differ stays below it."""
+FOR_OTHERS, SLIP_BOXES = 1.05, 512
+"""By which the least one found is enlarged, and how many boxes its proof may take: a checker whose enclosures
+differ, and which cuts a few hundred boxes, must stay below it."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -242,7 +243,7 @@ def _least_creep(
 
     def proof(most: float) -> Proof | None:
         inputs = {**dict(known), one_tip.CREEP_MOST: Interval.point(most)}
-        return None if fails_somewhere(of, inputs) else prove_positive(of, inputs)
+        return None if fails_somewhere(of, inputs) else prove_positive(of, inputs, most=SLIP_BOXES)
 
     def proved(found: Proof | None) -> bool:
         return found is not None and found.verdict is Verdict.PROVED

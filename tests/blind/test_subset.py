@@ -24,6 +24,7 @@ def answer(case: Case, folder: Path) -> tuple[dict[str, Any], dict[str, Any]]:
     return diagnosed(folder / "set", quick=True), made.label
 
 
+@at_night
 def test_no_alarm_where_nothing_is_concealed(tmp_path: Path) -> None:
     found, label = answer(NULL, tmp_path)
     assert found["verdict"] == "consistent"

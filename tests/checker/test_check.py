@@ -204,6 +204,16 @@ def test_an_exaggerated_margin_is_rejected(document: Document) -> None:
     assert objection(found) == "value: margin.factor"
 
 
+def test_evidence_that_cannot_be_is_rejected(document: Document) -> None:
+    """No proof rests on it, but a reader would."""
+    found = copy.deepcopy(document)
+    found["simulation"]["in_goal"] = 0
+    assert objection(found) == "value: simulation.in_certified_box"
+    found = copy.deepcopy(document)
+    found["margin"]["limit"]["action"] = "DROP TABLE"
+    assert objection(found) == "value: margin.limit.action"
+
+
 def test_a_dropped_inequality_is_rejected(document: Document) -> None:
     found = copy.deepcopy(document)
     del found["steps"][2]["obligations"][3]

@@ -130,7 +130,7 @@ def claimed(only: str, factor: float) -> Callable[[ObligationDocument], Any]:
         narrowed("radius_upper", 0.2),
         narrowed("theta", 0.3),
         claimed("slip_bounded", 1e5),
-        claimed("second_tip_touches", 3.0),
+        claimed("second_tip_touches", 30.0),
         claimed("tip_turns_part", 3.0),
     ],
 )

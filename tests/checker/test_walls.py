@@ -40,6 +40,7 @@ from meso_robust.primitives.move import MoveRule
 from meso_robust.primitives.setup import setup_of
 from meso_robust.task import Slot, Task, load_task
 from tests.checker.test_check import checked, relisted
+from tests.nightly import at_night
 from tests.slot import SLOT, point_slot
 
 Document = dict[str, Any]
@@ -116,6 +117,7 @@ def test_the_slot_tasks_certificate_is_verified(slot_document: Document) -> None
     assert found.claims.endswith("neither the part nor a tip touches the slot's walls.")
 
 
+@at_night
 def test_round_tips_bring_the_part_into_the_shipped_slot_from_close_by() -> None:
     """It would lean in the mouth if it were straightened there: it is pushed back first."""
     task = load_task(SLOT)

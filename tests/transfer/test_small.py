@@ -44,6 +44,7 @@ def rules() -> tuple[MoveRule, ...]:
     return compose(task()).rules
 
 
+@at_night
 def test_the_small_part_is_proved_simulated_and_checked() -> None:
     planned = make(task(), 1000, 0)
     text = planned.certificate.model_dump_json(by_alias=True)
