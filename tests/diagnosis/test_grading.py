@@ -356,6 +356,19 @@ def test_of_the_likeliest_the_first_that_holds_out_of_fold_is_taken() -> None:
     assert _holding(judge, contest(a, c), (a, c), 0) == (None, True)
 
 
+@pytest.mark.parametrize(("few", "everywhere"), [(8, True), (9, False)])
+def test_of_few_recordings_what_is_not_the_likeliest_is_partial(
+    monkeypatch: pytest.MonkeyPatch, few: int, everywhere: bool
+) -> None:
+    """Of eight recordings; by the luck of three pushes one law or another predicts the fourth."""
+    monkeypatch.setattr("meso_robust.diagnosis.choice._FEW", few)
+    worse = [100.0, 95.0, 100.0, 104.0, 98.0, 103.0, 9000.0, 97.0]
+    judge = stood({(): PLAIN, ("a",): worse, ("b",): NOISE})
+    a, b = stated("a", gain=1000.0), stated("b", gain=900.0)
+    assert _answer(judge, contest(a, b), (a, b), 0) == (b, (), everywhere)
+    assert _answer(judge, contest(b, a), (b, a), 0) == (b, (), True)
+
+
 def test_what_predicts_held_out_recordings_worse_explains_nothing() -> None:
     mostly = [100.0, 95.0, 9500.0, 900.0, 98.0, 103.0, 200.0, 97.0]
     some = [100.0, 95.0, 9500.0, 104.0, 98.0, 103.0, 99.0, 97.0]
