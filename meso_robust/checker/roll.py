@@ -30,7 +30,9 @@ HISTORIES = frozenset({"stretch", "shear", "bend", "centre_a", "centre_n"})
 ARCS = 8
 """On each the slopes of the integrand are bounded."""
 LONGEST = 0.13
-"""rad: of the arcs of a quadrature; with eight terms the remainder is far below a nanometre."""
+"""rad: of the arcs of a quadrature; with eight terms the remainder is far below a nanometre, but where
+the part hardly begins to turn: there an arc is halved until it is below ``CLOSE``, in m."""
+CLOSE, HALVINGS = 1e-13, 8
 TERMS = 8
 """Terms of a Taylor polynomial; even, so that the power in the remainder has one sign."""
 STEPS = 24
@@ -202,15 +204,22 @@ def _integrand(
 def _quadrature(values: State, turned: arb) -> arb:
     """Travel of a turn at a point of a box."""
     pieces = max(1, math.ceil(abs(float(turned)) / LONGEST)) if turned.is_finite() else 1
-    half, found = turned / (2 * pieces), arb(0)
-    for k in range(pieces):
-        middle = half * (2 * k + 1)
-        near = _taylor(values, middle)
-        around = _taylor(values, (middle - half).union(middle + half))
-        power = half
-        for n in range(0, TERMS + 1, 2):
-            found += (near if n < TERMS else around)[n] * 2 * power / (n + 1)
-            power *= half * half
+    half = turned / (2 * pieces)
+    return sum((_arc(values, half * (2 * k + 1), half, HALVINGS) for k in range(pieces)), arb(0))
+
+
+def _arc(values: State, middle: arb, half: arb, halvings: int) -> arb:
+    """Travel of a turn from ``middle - half`` to ``middle + half``."""
+    around = _taylor(values, (middle - half).union(middle + half))
+    square, power = half * half, half * 2
+    remainder = around[TERMS] * half * 2 * square ** (TERMS // 2) / (TERMS + 1)
+    if halvings and not remainder.rad() < CLOSE:
+        ends = (_arc(values, middle + half / 2 * k, half / 2, halvings - 1) for k in (-1, 1))
+        return sum(ends, arb(0))
+    near, found = _taylor(values, middle), remainder
+    for n in range(0, TERMS, 2):
+        found += near[n] * power / (n + 1)
+        power *= square
     return found
 
 

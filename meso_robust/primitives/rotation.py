@@ -67,6 +67,9 @@ ROOM, ROOM_WIDE = 0.02, 0.55
 """Share of a side of the pose at the end, on top of that of all moves: at least, and per range of the room over
 the part's width. A checker's barriers are as close where the room alone is uncertain, but for terms of second
 order in it: 0.019 was needed for the paper's task, 0.027 where the room's range is 0.052 of the width."""
+ROOM_ROUND, ROOM_ROUND_ASIDE = 0.04, 0.06
+"""The same at least of round tips, along and across the push: 0.027 and 0.042 were needed of a long part
+whose friction is known to 1 %."""
 ROOM_ELSE, ROOM_AHEAD = 0.09, 0.14
 """The same where other constants are uncertain as well, across and along the push, where the slide is all that
 is uncertain. 0.05 and 0.104 were seen of tubes that were up to 4 % wider."""
@@ -241,7 +244,9 @@ def _for_others(
     """What others, who enclose the slide by other barriers, need: shares of x and y at the end; m of the tube."""
     grip, width = move.grip, _width(move.grip)
     alone, wide = _alone(grip), ROOM_WIDE * grip.room.width / width
-    ahead, aside = (max(ROOM, wide),) * 2 if alone else (ROOM_AHEAD, ROOM_ELSE)
+    round_tips = not grip.radius == grip.radius_far == ZERO
+    least = (ROOM_ROUND, ROOM_ROUND_ASIDE) if round_tips else (ROOM, ROOM)
+    ahead, aside = [max(wide, one) for one in least] if alone else (ROOM_AHEAD, ROOM_ELSE)
     # rough tubes are wider than those of others
     wider = 0.0 if rough else ahead * tube.widest
     close = (ROOM_CLOSE * width - ROOM_WITHIN * tube.widest) / pose.x.width

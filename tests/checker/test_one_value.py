@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 from flint import arb, ctx
+from scipy.integrate import quad
 
 from meso_robust.checker import statement as st, straighten, tilt
 from meso_robust.checker.document import RuleDocument
@@ -272,3 +273,20 @@ def test_a_centre_of_drag_that_moves_does_more_than_any_that_is_fixed() -> None:
 
     assert abs(upward) < 0.5 * (farthest - travel(0.0))
     assert fixed < farthest <= float(found.upper())
+
+
+def test_a_part_that_hardly_begins_to_turn_is_integrated_as_closely() -> None:
+    """The tip's push passes near the centre of drag at first: there the travel of a turn grows fast."""
+    angle, d1, d2, radius, rho = 1.3411948, 1.5e-3, 3.7e-4, 25e-6, 8.667e-7
+    turned = 0.22
+
+    def rate(turn: float) -> float:
+        place, way = d2 - radius * turn, angle + turn
+        return (rho + d1**2 + place**2) / (place * math.sin(way) - d1 * math.cos(way))
+
+    expected, error = quad(rate, 0.0, turned, epsabs=1e-15, epsrel=1e-12)
+    state = [Dual(arb(value)) for value in (angle, d1, d2, radius, rho, 0, 0, 0, 0, 0)]
+    found = travel_of(state, Dual(arb(turned))).value
+    assert rate(0.0) > 10 * rate(turned)  # else it is no such push
+    assert float(found.rad()) < 1e-11
+    assert abs(float(found.mid()) - expected) < error + 1e-11
