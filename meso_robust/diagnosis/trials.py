@@ -110,6 +110,12 @@ def _edges(effect: str, prepared: Prepared) -> Iterable[Trial]:
         yield Trial(effect=effect, sizes={"change": 0.2}, shape={"edge": float(edge)})
 
 
+def _tips(effect: str, prepared: Prepared) -> Iterable[Trial]:
+    """The friction of every tip but the first is measured against that one's."""
+    for tip in range(1, prepared.waypoints.shape[2]):
+        yield Trial(effect=effect, sizes={"change": 0.2}, shape={"tip": float(tip)})
+
+
 def _meniscus(effect: str, prepared: Prepared) -> Iterable[Trial]:
     """Walls in eight directions, as near as the part ever came; strength and place are one number."""
     scale = 1e6 * REFERENCE_LENGTH / prepared.length
@@ -281,6 +287,10 @@ TRIALS: Mapping[str, Try] = {
         shaped({"pull_um_s": 2.0}, {"range_um": 2.0}, range_um=(3.0, 10.0)),
     ),
     "edge_dependent_friction": Try("slanted pushes that slip, one on each edge", _edges),
+    "friction_spread": Try("pushes that slip, with each tip by itself", _tips),
+    "inertia": Try(
+        "stop suddenly at the highest speed and keep the camera running", sized(time_ms=2.0)
+    ),
     "part_geometry": Try(
         "a push through the centre from each of four edges", sized(x_um=3.0, y_um=3.0)
     ),

@@ -17,7 +17,7 @@ _UM, _DEG = 1e-6, np.pi / 180.0
 
 ACTUATION = Stage(
     name="actuation",
-    base=64,
+    base=72,
     effects=(
         Effect(
             name="probe_compliance",

@@ -21,11 +21,12 @@ from meso_robust.simulator.case import (
 )
 from meso_robust.simulator.environment import POST_RADIUS
 from meso_robust.simulator.geometry import EXCESS, outlines, radii, reference_of_tracked
+from meso_robust.simulator.motion_model import DYNAMIC
 from meso_robust.simulator.outline import edge_table, quadrature, refuse, thickness
 from meso_robust.simulator.push import Push
 from meso_robust.simulator.record import PER_PROBE, PROBES, TIME
 from meso_robust.simulator.scene import Scene
-from meso_robust.simulator.support import NODE_SLOTS
+from meso_robust.simulator.support import INERTIA_TIME, NODE_SLOTS
 from meso_robust.simulator.support_models import Tables
 from meso_robust.simulator.tables import OBSTACLE_COLUMNS, OBSTACLES
 from meso_robust.simulator.tips import Flat, Point
@@ -212,11 +213,17 @@ def _legs(push: Push, steps: Ints) -> Floats:
 
 
 def _law(push: Push, tables: Tables, unique: bool) -> Floats:
-    law = np.zeros((max(map(len, (tables.film, tables.surface, tables.lay))), LAW))
+    times = push.effects.table[:, INERTIA_TIME]
+    law = np.zeros((max(map(len, (tables.film, tables.surface, tables.lay, times))), LAW))
     law[:, FILM : FILM + 6] = tables.film
     law[:, LAY : LAY + 4] = tables.lay
     law[:, SURFACE : SURFACE + 6] = tables.surface
     law[:, INERTIA : INERTIA + 3] = push.motion.row()
+    if push.effects.is_on(INERTIA_TIME):
+        nodes = quadrature(push.outlines[0], _NODES)
+        moment = float(nodes[:, 2] @ np.sum(nodes[:, :2] ** 2, axis=1))
+        law[:, INERTIA] = np.where(times > 0.0, DYNAMIC, 0.0)
+        law[:, INERTIA + 1], law[:, INERTIA + 2] = times, moment * times
     law[:, IDLE] = push.step
     law[:, UNIQUE] = unique
     law[:, AHEAD] = 0.5 if push.frame == "middle" else 0.0

@@ -11,11 +11,11 @@ import numpy.typing as npt
 from meso_robust.simulator.environment import FLOW_SLOTS
 from meso_robust.simulator.fixture import Fixture
 from meso_robust.simulator.geometry import outlines, radii, reference_of_tracked
-from meso_robust.simulator.motion_model import FirstOrder, MotionModel
+from meso_robust.simulator.motion_model import FirstOrder, MotionModel, QuasiStatic
 from meso_robust.simulator.outline import refuse, thickness
-from meso_robust.simulator.support import FILM_SLOTS, LAYS, THINNING
+from meso_robust.simulator.support import FILM_SLOTS, INERTIA_TIME, LAYS, THINNING
 from meso_robust.simulator.tips import Flat, Tip
-from meso_robust.simulator.touch import EDGE
+from meso_robust.simulator.touch import EDGE, TIP
 from meso_robust.types import Floats, Ints
 
 if TYPE_CHECKING:
@@ -193,24 +193,26 @@ def check_tables(tables: Tables, effects: Effects, runs: int) -> None:
         refuse("effects", on, "need a film where they change its drag", "give a Film or a Mixture")
 
 
-def check_effects(effects: Effects, corners: int, motion: MotionModel) -> None:
-    """Refuse effects that have no meaning for a part of so many corners that moves so.
+def check_effects(effects: Effects, corners: int, probes: int, motion: MotionModel) -> None:
+    """Refuse effects that have no meaning for a part of so many corners that so many probes move so.
 
     Raises
     ------
     ValueError
-        If an edge does not exist, if the lays of stage and part add up to a drag that is not
-        positive, or if the support is changed although the motion model has none.
+        If an edge or a probe does not exist, if the lays of stage and part add up to a drag that is not
+        positive, if the support is changed although the motion model has none, or if it has an inertia itself.
     """
     table = effects.table
-    edge = table[:, EDGE]
-    for run in np.flatnonzero((edge != np.floor(edge)) | (edge >= corners)):
-        refuse(
-            "effects.edge_dependent_friction.edge",
-            f"run {run} has {edge[run]:g}",
-            f"must be a whole number below {corners}, the corners of the part",
-            "count the edges from 0, by their first corner",
-        )
+    if effects.is_on(INERTIA_TIME) and not isinstance(motion, QuasiStatic):
+        rule = f"is what {type(motion).__name__} has of its own"
+        refuse("effects.inertia", "with such a motion model", rule, "use QuasiStatic")
+    for name, column, most, those, advice in (
+        ("edge_dependent_friction.edge", EDGE, corners, "corners of the part", "edges from 0, by their first corner"),
+        ("friction_spread.tip", TIP, probes, "probes", "tips from 0, in the order of the waypoints"),
+    ):  # fmt: skip
+        for run in np.flatnonzero((table[:, column] % 1.0 != 0.0) | (table[:, column] >= most)):
+            rule = f"must be a whole number below {most}, the {those}"
+            refuse(f"effects.{name}", f"run {run} has {table[run, column]:g}", rule, f"count the {advice}")
     for run in np.flatnonzero(np.abs(table[:, LAYS]).sum(axis=1) >= 1.0):
         refuse(
             "effects",

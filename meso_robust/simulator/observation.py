@@ -41,7 +41,7 @@ def _middle(of: str) -> tuple[Parameter, ...]:
 
 OBSERVATION = Stage(
     name="observation",
-    base=80,
+    base=88,
     slots=24,
     effects=(
         Effect(

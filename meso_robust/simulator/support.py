@@ -9,7 +9,7 @@ without a film the scale of the forces is of no effect. Four laws add up:
   three support points of the paper's Section V are of this kind, and so is an area;
 * ellipsoidal limit surface, ``D = A v / √(vᵀ A v)``, the law whose forces lie on ``fᵀ A⁻¹ f = 1``
   (R. D. Howe, M. R. Cutkosky 1996, doi:10.1177/027836499601500603);
-* the effects below, integrated over the area of the part by `outline.quadrature`. Its nodes are
+* the effects below but inertia, integrated over the area of the part by `outline.quadrature`. Its nodes are
   drawn together or apart until the second moment of the area is ρ, so that the nodes of a plain film
   have just the drag ``diag(1, 1, ρ)``.
 
@@ -212,6 +212,20 @@ SUPPORT = Stage(
                 ),
             ),
         ),
+        Effect(
+            name="inertia",
+            equation="D(v) + e_x τ dv/dt = forces of the contacts, J dω/dt for turns",
+            source="I. Newton 1687; the paper's Section IV leaves it out",
+            parameters=(
+                Parameter(
+                    key="time_ms",
+                    unit="ms",
+                    to_si=1e-3,
+                    low=0.0,
+                    meaning="τ = m / e_x: time in which a free part stops, its mass spread evenly",
+                ),
+            ),
+        ),
     ),
 )
 
@@ -239,6 +253,9 @@ _AGEING_FORM = SUPPORT.slot("breakaway_friction", FORM)
 _UNEVEN = SUPPORT.slot("uneven_support", "ratio")
 _PRESSURE_X = SUPPORT.slot("uneven_support", "x_um")
 _PRESSURE_Y = SUPPORT.slot("uneven_support", "y_um")
+
+INERTIA_TIME = SUPPORT.slot("inertia", "time_ms")
+"""Column of the time in which a free part stops."""
 
 NODE_SLOTS = (
     _DRY,

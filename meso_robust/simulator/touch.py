@@ -16,7 +16,7 @@ _UM = 1e-6
 CONTACT = Stage(
     name="contact",
     base=48,
-    slots=8,
+    slots=16,
     effects=(
         Effect(
             name="tip_adhesion",
@@ -66,6 +66,21 @@ CONTACT = Stage(
                 ),
             ),
         ),
+        Effect(
+            name="friction_spread",
+            equation="μ of one tip = μ (1 + c)",
+            source="tips are ground and wear one by one",
+            parameters=(
+                Parameter(
+                    key="change", unit="", to_si=1.0, low=-1.0,
+                    meaning="c: relative change of the friction coefficient",
+                ),
+                Parameter(
+                    key="tip", unit="", to_si=1.0, low=0.0, size=False,
+                    meaning="the probe, counted from 0 in the order of the recording",
+                ),
+            ),
+        ),
     ),
 )  # fmt: skip
 
@@ -78,6 +93,9 @@ _ATTRACTION_FORM = CONTACT.slot("tip_attraction", FORM)
 _CHANGE = CONTACT.slot("edge_dependent_friction", "change")
 EDGE = CONTACT.slot("edge_dependent_friction", "edge")
 """Column of the edge that has a friction of its own."""
+_SPREAD = CONTACT.slot("friction_spread", "change")
+TIP = CONTACT.slot("friction_spread", "tip")
+"""Column of the probe that has a friction of its own."""
 PULL_SLOTS = (_ADHESION, _ATTRACTION)
 """Columns of effects that draw the part to a tip."""
 REACH_OF_ATTRACTION = 50.0
@@ -95,8 +113,11 @@ def friction_of_contacts(
     A corner of the part belongs to no edge and has the plain coefficient.
     """
     change, edge = effects[_CHANGE], effects[EDGE]
+    spread, tip = effects[_SPREAD], effects[TIP]
     for c in range(count):
         mu = obstacles[marks[c, MARKS.who], OBSTACLES.friction]
+        if spread != 0.0 and marks[c, MARKS.who] == tip:
+            mu *= 1.0 + spread
         if (
             change != 0.0
             and marks[c, MARKS.feature] >= 0

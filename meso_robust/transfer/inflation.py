@@ -304,8 +304,8 @@ def drag_anisotropy(ranges: Ranges, _: Budget) -> Absorbed:
     )
 
 
-def edge_dependent_friction(ranges: Ranges, _: Budget) -> Absorbed:
-    """One edge has its own friction: a tip has that of the edge that it touches."""
+def own_friction(ranges: Ranges, _: Budget) -> Absorbed:
+    """One edge has its own friction, or one tip: a tip has that of the edge that it touches."""
     low, high = ranges["change"]
     factors = min(1.0, 1.0 + low), max(1.0, 1.0 + high)
     return Absorbed(

@@ -176,7 +176,20 @@ LINES: Mapping[str, Line] = {
         claim="no-jam",
         derivation="derivations/rotation_existence.py",
         why="the two tips of a rotation press on different edges: their μ differ",
-        absorb=inflation.edge_dependent_friction,
+        absorb=inflation.own_friction,
+    ),
+    "friction_spread": Line(
+        premise=Premise.COULOMB_FRICTION,
+        claim="no-jam",
+        derivation="derivations/rotation_existence.py",
+        why="the μ of the tips differ",
+        absorb=inflation.own_friction,
+    ),
+    "inertia": Line(
+        premise=Premise.QUASI_STATIC,
+        claim="inertia",
+        derivation="derivations/printed_numbers.py",
+        why="a part that goes on by itself when the tip stops has no place that follows from the push",
     ),
     "part_geometry": Line(
         premise=Premise.PART_KNOWN,

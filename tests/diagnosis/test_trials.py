@@ -44,11 +44,20 @@ def test_every_effect_of_the_catalogue_is_tried(prepared: Prepared) -> None:
     lying = replace(prepared, starts=prepared.starts * [1.0, 1.0, 0.0])
     for lie, others in ((prepared, frozenset()), (lying, BESIDE)):
         alone, beside = ({one.effect for one in trials(lie, beside=of)} for of in (False, True))
-        assert alone | beside == set(CATALOGUE) - NOT_SEARCHED
+        # one tip has the friction of the plain model
+        assert alone | beside == set(CATALOGUE) - NOT_SEARCHED - {"friction_spread"}
         # a shift of the tips and an offset in the part are one where all parts lie alike
         assert beside == others
         assert not alone & beside
     assert all(tried(effect).shown_by for effect in CATALOGUE)
+
+
+def test_friction_is_compared_with_that_of_the_first_tip(prepared: Prepared) -> None:
+    three = replace(prepared, waypoints=np.repeat(prepared.waypoints[:, :, :1], 3, axis=2))
+    assert [one.held["tip"] for one in trials(three) if one.effect == "friction_spread"] == [
+        1.0,
+        2.0,
+    ]
 
 
 def test_trials_start_within_the_ranges_of_the_catalogue(null: Diagnosis) -> None:

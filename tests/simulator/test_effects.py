@@ -12,6 +12,7 @@ from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
 from meso_robust.simulator import (
+    Dynamic,
     Effects,
     Film,
     Mixture,
@@ -40,9 +41,9 @@ FULL = Film.under(rectangle())
 NAMES = {
     "support": "dry_friction stribeck_friction shear_thinning anisotropic_drag "
     "part_anisotropic_drag drag_centre_offset drag_gradient drag_drift breakaway_friction "
-    "uneven_support",
+    "uneven_support inertia",
     "environment": "body_force film_flow wall_capillarity unmodelled_wall",
-    "contact": "tip_adhesion tip_attraction edge_dependent_friction",
+    "contact": "tip_adhesion tip_attraction edge_dependent_friction friction_spread",
     "geometry": "part_geometry tip_radius reference_offset part_yaw",
     "actuation": "probe_compliance backlash probe_drift",
     "observation": "camera_latency camera_scale camera_rotation camera_drift lens_distortion "
@@ -69,6 +70,8 @@ ON: Values = {
     "tip_adhesion": {"pull_um_s": 20.0},
     "tip_attraction": {"pull_um_s": 20.0},
     "edge_dependent_friction": {"change": -0.8, "edge": 0.0},
+    "friction_spread": {"change": -0.8, "tip": 0.0},
+    "inertia": {"time_ms": 40.0},
     "part_geometry": {"x_um": 15.0, "y_um": -6.0},
     "tip_radius": {"excess_um": -4.0},
     "reference_offset": {"x_um": 20.0, "y_um": 9.0},
@@ -239,7 +242,7 @@ def test_every_effect_shows(name: str) -> None:
 RATE = {
     "dry_friction", "stribeck_friction", "breakaway_friction", "uneven_support", "body_force",
     "film_flow", "wall_capillarity", "tip_adhesion", "tip_attraction", "probe_compliance",
-    "probe_drift",
+    "probe_drift", "inertia",
 }  # fmt: skip
 # A gradient exp(g · x) of a film alone is the same at every place but for its scale.
 PLACE = {"wall_capillarity", "unmodelled_wall"}
@@ -400,6 +403,54 @@ def test_friction_of_an_edge_is_that_of_its_edge_only() -> None:
     for edge in (1.0, 2.0, 3.0):
         other = lifted({"edge_dependent_friction": slippery | {"edge": edge}})
         np.testing.assert_array_equal(simulate(other).poses, simulate(lifted({})).poses)
+
+
+def test_friction_of_a_tip_is_that_of_its_tip_only() -> None:
+    """Two tips that leave the part at once with friction of their own, told by the push or by the effect."""
+    x, y = np.array([-300.0, 250.0]) * UM, -HALF_SHORT - 30 * UM
+    way = np.array([[[[a, y + up] for a in x] for up in (0.0, 30 * UM, 130 * UM)]])
+    way[0, 2, :, 0] += 60 * UM
+    given: dict[str, Any] = {
+        "shapes": (Round(15 * UM), Round(15 * UM)),
+        "waypoints": way,
+        "support": Film.ratio(RHO),
+    }
+
+    def end(values: Values, *mu: float) -> F:
+        return simulate(lifted(values, friction=np.array([mu]), **given)).poses
+
+    for tip, mu in ((0.0, (0.1, 0.2)), (1.0, (0.2, 0.1))):
+        own = end({"friction_spread": {"change": -0.5, "tip": tip}}, 0.2, 0.2)
+        close(own, end({}, *mu), 1e-14)
+        assert not np.allclose(own, end({}, 0.2, 0.2), rtol=0.0, atol=1e-8)
+
+
+# --- inertia ------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("time_ms", [40.0, 400.0])
+def test_a_part_goes_on_when_the_tip_stops(time_ms: float) -> None:
+    """By what the film takes to stop it: v tau (1 - exp(-t / tau)) after the stop."""
+    push = central(
+        {"inertia": {"time_ms": time_ms}}, [0.0, 100.0, 100.0], [0.0, 1.0, 2.0], time_step=5e-4
+    )
+    instants = np.array([[1.0, 1.0 + 1e-3 * time_ms, 2.0]])
+    gone = simulate(push, instants=instants).path[0, :, 1] * 1e6 - 100.0
+    tau = 1e-3 * time_ms
+    exact = [100.0 * tau * -np.expm1(-(t - 1.0) / tau) for t in instants[0]]
+    np.testing.assert_allclose(gone, exact, atol=0.06)
+
+
+def test_the_mass_of_a_part_is_spread_evenly() -> None:
+    values: Values = {"inertia": {"time_ms": 40.0}}
+    long, short = np.ptp(rectangle(), axis=0)
+    moment = (long**2 + short**2) / 12.0
+    got = simulate(lifted(values, time_step=2e-3))
+    model = Dynamic(mass=0.04, inertia=0.04 * moment)
+    want = simulate(lifted({}, motion=model, time_step=2e-3))
+    close(got.poses, want.poses, 1e-10)
+    with pytest.raises(ValueError, match=r"effects\.inertia.*Dynamic"):
+        lifted(values, motion=model)
 
 
 # --- actuation ----------------------------------------------------------------------------------------

@@ -85,5 +85,6 @@ def test_which_effects_are_absorbed_is_said_here_once_more() -> None:
         "stribeck_friction",
         "uneven_support",
         "edge_dependent_friction",
+        "friction_spread",
         "probe_drift",
     }
