@@ -29,6 +29,7 @@ from reports.blind3.cases import (
 from reports.blind3.generate import Change, World, Wrongs, clear_norm, filmed, pushes, small_wrongs
 from reports.blind3.laws import FAMILIES, OUTSIDE
 from reports.blind3.score import Scored, page, results_text
+from tests.nightly import at_night
 
 ROOM = Path(generate.__file__).parent
 
@@ -161,6 +162,7 @@ def promised(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
+@at_night
 def test_another_generator_is_promised_only_if_it_makes_the_same_sets(
     promised: Path, tmp_path: Path
 ) -> None:

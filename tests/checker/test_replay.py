@@ -39,6 +39,7 @@ from meso_robust.toml_files import toml_text
 from tests.checker.test_check import checked, objection, reclaimed
 from tests.checker.test_witness import witness
 from tests.conftest import paper_task
+from tests.nightly import at_night
 from tests.slot import point_slot
 from tests.turned import HALF, turned_rules, turned_task
 
@@ -121,6 +122,7 @@ def of_another_goal(document: Document, task: Task) -> Document:
     return found
 
 
+@at_night
 def test_a_run_that_slips_is_undecided_and_says_what_it_rests_on(
     wide_friction_plan: Planned,
 ) -> None:

@@ -17,6 +17,7 @@ from meso_robust.checker.verdict import BITS, Answer
 from meso_robust.primitives.setup import setup_of
 from meso_robust.task import PolygonPart, Task
 from tests.checker.test_check import checked
+from tests.nightly import at_night
 from tests.polygons import certificate
 from tests.turned_polygons import LONG_L, changed, turned
 
@@ -64,6 +65,7 @@ def test_another_part_is_rejected(what: str) -> None:
     refusal(checked(document(), altered(*ALTERED[what])))
 
 
+@at_night
 def test_edges_out_of_parallel_are_verified_as_such() -> None:
     """The far edge leans by 0.4 deg, as stated: another task, and a certificate of its own for the same plan."""
     task, rules = altered(4, (0.0, -6.0)), turned("long L")[1]

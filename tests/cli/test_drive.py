@@ -20,6 +20,7 @@ from meso_robust.policy.cells import Policy
 from meso_robust.policy.document import policy_document
 from meso_robust.simulator import Outcome, Push, simulate
 from meso_robust.tasks import PAPER
+from tests.nightly import at_night
 from tests.policy.small import from_starts
 from tests.strategies import paper_task
 
@@ -238,6 +239,7 @@ def test_an_answer_takes_at_most_50_ms(plan: Drive) -> None:
     assert np.median(plan.seconds) < 0.5 * LIMIT_S
 
 
+@at_night
 def test_a_policy_is_proved_again_and_driven(policy_file: Path) -> None:
     with driving(PAPER, policy_file) as drive:
         for seed, pose in enumerate(

@@ -173,6 +173,7 @@ def test_start_that_no_primitive_can_handle_is_status_1_unknown_and_why(
     assert [file.name for file in out.iterdir()] == ["report.html"]
 
 
+@at_night
 def test_a_start_too_close_is_unknown_for_a_probe_on_one_side_and_proved_for_any(
     tmp_path: Path,
 ) -> None:

@@ -11,6 +11,7 @@ import pytest
 from derivations import _kept, generate
 from derivations._derivation import Derivation
 from derivations._statement import DerivationError
+from tests.nightly import at_night
 
 NAME = "dry_sticking"
 
@@ -54,6 +55,7 @@ def test_another_version_of_a_prover_changes_the_key(
     assert _kept.key(NAME) != before
 
 
+@at_night
 def test_what_was_kept_comes_back_and_gives_the_same_code(tmp_path: Path) -> None:
     derived = generate.derive_one(NAME)
     assert _kept.load(NAME, tmp_path) is None

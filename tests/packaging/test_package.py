@@ -15,6 +15,8 @@ from pathlib import Path
 import pydantic
 import pytest
 
+from tests.nightly import at_night
+
 ROOT = Path(__file__).parents[2]
 DATA = (".json", ".j2", ".css", ".js", ".html", ".toml", ".md", ".typed", ".png", ".mp4", ".csv")
 
@@ -164,6 +166,7 @@ def checked(project: Path, venv: Path) -> str:
     return done.stdout
 
 
+@at_night
 def test_a_project_that_uses_the_package_type_checks(built: Path, tmp_path: Path) -> None:
     venv = tmp_path / "venv"
     subprocess.run([sys.executable, "-m", "venv", "--without-pip", venv], check=True)

@@ -106,6 +106,7 @@ def test_a_task_without_headings_is_the_task_that_it_was() -> None:
     assert compose(paper_task(probe__headings=["-x"])).rules == same
 
 
+@at_night
 def test_headings_left_out_are_never_weaker_than_all_four() -> None:
     """From this start one probe has no plan, and two on opposite sides have one."""
     start = task().start

@@ -23,6 +23,7 @@ from meso_robust.reporting.view import task as told_task
 from meso_robust.task import Task, load_task, parse_task
 from meso_robust.tasks import PAPER
 from tests.browser import Page
+from tests.nightly import at_night
 from tests.polygons import SHIPPED, planned, values_of
 from tests.reporting.javascript import Script, draw_of, runs_script, steady
 from tests.reporting.test_view_page import number, said
@@ -207,7 +208,9 @@ def test_distance_from_a_wall_is_that_along_the_best_normal(script: Script, name
 # -- the page --------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize(
+    "name", [NAMES[0], *(pytest.param(name, marks=at_night) for name in NAMES[1:])]
+)
 def test_the_page_plays_the_simulated_run(page: Page, name: str, tmp_path: Path) -> None:
     task, _, _ = planned(name)
     result = pipeline.make(task, 4, 3)

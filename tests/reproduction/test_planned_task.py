@@ -130,6 +130,7 @@ def test_the_item_says_that_the_printed_rotation_fails() -> None:
     json.dumps(found.data)
 
 
+@at_night
 def test_both_readings_of_the_tolerance_are_measured() -> None:
     plan = certified_plan()
     sampled = trials(plan.rules, plan.setup, 40, 0)

@@ -92,6 +92,7 @@ def test_only_parts_that_are_smaller_than_a_millimetre_get_finer_lengths() -> No
     assert fine(setup_of(task())) == pytest.approx(155.4 / 800.0)
 
 
+@at_night
 def test_adhesion_is_unknown_with_its_premise_and_size_and_runs_as_evidence() -> None:
     model = read(SMALL_MODEL, task())
     pull = model.parameters["tip_adhesion.pull_um_s"]

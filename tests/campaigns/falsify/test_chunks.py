@@ -30,6 +30,7 @@ from meso_robust.campaigns.falsify.totals import Totals
 from meso_robust.errors import InputError
 from meso_robust.laboratory.replay import limits
 from tests.campaigns.falsify.parts import ROOT, paper_ready, part_of
+from tests.nightly import at_night
 
 DRAWN_ANEW = """
 import sys
@@ -110,6 +111,7 @@ def test_a_plan_of_bare_moves_is_refused(tmp_path: Any) -> None:
         FALSIFY.given(section, ROOT)
 
 
+@at_night
 def test_a_chunk_is_the_same_again_in_another_order_and_in_a_fresh_process() -> None:
     part = part_of(**SMALL)
     targets = len(part.given["targets"])

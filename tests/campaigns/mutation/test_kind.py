@@ -38,6 +38,7 @@ from meso_robust.checker import verdict
 from meso_robust.errors import InputError
 from meso_robust.task import load_task
 from tests.conftest import paper_task
+from tests.nightly import at_night
 
 Document = dict[str, Any]
 PAPER_PLAN = Path(__file__).resolve().parents[3] / "reports" / "paper_task" / "plan.json"
@@ -86,6 +87,7 @@ def test_a_chunk_is_the_same_whatever_was_done_before(
     assert results[0].values != results[1].values
 
 
+@at_night
 def test_a_fresh_process_gives_the_same_to_the_last_bit(part: Part, results: list[Result]) -> None:
     told = subprocess.run(
         [sys.executable, "-c", FRESH], input=part_text(part), capture_output=True, text=True,

@@ -36,9 +36,9 @@ from meso_robust.primitives.setup import Setup, setup_of
 from meso_robust.simulator import Film, simulate
 
 BUDGET = {
-    "formula-values": 150,
-    "formula-intervals": 150,
-    "formula-balls": 150,
+    "formula-values": 100,
+    "formula-intervals": 100,
+    "formula-balls": 100,
     "sticking-turn": 100,
     "planned-is-kept": 1,
     "mirrored-plan": 1,

@@ -14,6 +14,7 @@ from hypothesis import strategies as st
 
 from meso_robust.campaigns.property.law import Breach, Cost, Property, Silence, Verdict
 from meso_robust.campaigns.property.search import replayed, search
+from tests.nightly import at_night
 
 ROOT = Path(__file__).parents[3]
 Pair = tuple[float, int]
@@ -149,6 +150,7 @@ random.seed(7)
 """
 
 
+@at_night
 def test_a_search_is_the_same_in_any_process_whatever_ran_before(tmp_path: Path) -> None:
     """One process is fresh; the other has more modules with constants, and ran Hypothesis before."""
     (tmp_path / "own_module.py").write_text("A = (123.456, 250.25, 0.125, 101, 149, 333333)\n")
