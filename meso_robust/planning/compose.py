@@ -26,6 +26,7 @@ from meso_robust.planning.rotation import (
     rotate_and_finish,
 )
 from meso_robust.planning.stated import widened
+from meso_robust.planning.unplanned import Stuck, settling, where
 from meso_robust.planning.x_translation import to_goal, upright
 from meso_robust.planning.y_translation import y_translation
 from meso_robust.primitives.certify import certify_move
@@ -50,6 +51,7 @@ AT_ONCE_S = 6.0  # s of computing: what is preferred and not found by then waits
 NOTHING_S = (
     2.5  # s of computing: whether there is a plan for the least uncertainties, asked meanwhile
 )
+STUCK_S = 3.0  # s of computing: what no plan gets past
 ROOM = 1.01  # on top, where boxes of a certificate leave room for another enclosure and little is to spare
 NARROWED = 0.1  # one uncertainty alone, to find the one that stands in the way
 REDUCED = (0.5, 0.25, 0.1, 0.03)  # all of them
@@ -154,7 +156,7 @@ def compose(task: Task, search_s: float | None = None) -> Found:
         if force is not None:
             return replace(free, remedy=Remedy.RAISE_CAP, force_n=force)
     if found is None:
-        raise refused or _no_plan(task)
+        raise refused or _no_plan(task, asked=search_s is not None)
     return found
 
 
@@ -166,7 +168,7 @@ def _composed(task: Task, search_s: float | None) -> Found:
     ended = None
     try:
         with limited(search_s):
-            found = _for_task(task, ways, choices, last)
+            found = _for_task(task, ways, choices, last, asked=search_s is not None)
     except EffortSpentError:
         found, ended = None, search_s
     if found is not None:
@@ -187,20 +189,36 @@ def _composed(task: Task, search_s: float | None) -> Found:
             f"no robust plan was found within {within:g} s of computing, nor one with all uncertainties scaled by "
             f"{REDUCED[-1]}: look longer (--search-s), or start further from the goal, or widen the goal"
         )
-    raise _no_plan(task)
+    raise _no_plan(task, asked=search_s is not None)
 
 
-def _no_plan(task: Task) -> NotApplicableError:
-    """Of a task for which none is found however small its uncertainties."""
-    stated = task.probe.headings is not None
-    more = ", or state probes on more sides ([probe] headings)" if stated else ""
-    return NotApplicableError(
-        "no robust plan was found, even with all uncertainties scaled by "
-        f"{REDUCED[-1]}: the start (x = {task.start.x_um} um, y = {task.start.y_um} um, theta = "
-        f"{task.start.theta_deg} deg) leaves no room for the primitives to reach the goal; "
-        "start further from the goal, or closer to the line through it along which the probe "
-        "pushes, or widen the goal" + more
-    )
+def _no_plan(task: Task, *, asked: bool) -> NotApplicableError:
+    """Of a task for which none is found however small its uncertainties; ``asked``: whether a person waits for it."""
+    found = f"no robust plan was found, even with all uncertainties scaled by {REDUCED[-1]}"
+    ways, choices = _ways(task), _choices(task)
+    setup = setup_of(task, REDUCED[-1])
+    try:
+        with limited(STUCK_S):
+            stuck = where(setup, [way.frame for way in ways if way.turns])
+    except EffortSpentError:
+        return NotApplicableError(
+            f"{found}: start further from the goal, or widen the goal, or state probes on more sides"
+        )
+    if leaves_goal(setup, _last_headings(ways, choices[-1])):
+        stuck = Stuck.ARRIVING
+    why = f"{found}: {stuck.value}"
+    if asked:
+        return NotApplicableError(f"{why}; {settling(task, stuck, _bearable)}")
+    more = "; state probes on more sides ([probe] headings)" if task.probe.headings else ""
+    return NotApplicableError(why + more)
+
+
+def _bearable(task: Task) -> bool:
+    """Whether a plan is found for the least uncertainties that are tried."""
+    try:
+        return _rules(task, _ways(task), _choices(task)[-1], REDUCED[-1]) is not None
+    except NotApplicableError:
+        return False
 
 
 _LastResort = Callable[[], tuple[MoveRule, ...] | None]
@@ -212,9 +230,11 @@ def _for_task(
     ways: Sequence[_Way],
     choices: Sequence[Sequence[Heading]],
     last: _LastResort,
+    *,
+    asked: bool,
 ) -> Found | None:
     """The first plan that bears the task's uncertainties."""
-    hopeless = cache(partial(_none_at_all, task, last))
+    hopeless = cache(partial(_none_at_all, task, last, asked=asked))
     # with a slot, one that is robust in the open shows what the walls are in the way of
     for walls in (Walls.CLEAR,) if task.slot is None else Walls:
         for choice, headings in enumerate(choices):
@@ -328,7 +348,7 @@ def _with_most_in_hand(
     return found
 
 
-def _none_at_all(task: Task, last: _LastResort) -> None:
+def _none_at_all(task: Task, last: _LastResort, *, asked: bool) -> None:
     """Refuse a task for which it is soon seen that no plan is found however small the uncertainties."""
     try:
         with limited(NOTHING_S):
@@ -336,7 +356,7 @@ def _none_at_all(task: Task, last: _LastResort) -> None:
                 return
     except EffortSpentError:
         return
-    raise _no_plan(task)
+    raise _no_plan(task, asked=asked)
 
 
 def _choices(task: Task) -> list[Sequence[Heading]]:

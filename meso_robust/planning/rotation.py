@@ -117,6 +117,20 @@ def rotate_and_finish(
     return None
 
 
+def is_turned(setup: Setup) -> bool:
+    """Whether any turn of the part between two tips is proved from where it starts.
+
+    Parameters
+    ----------
+    setup
+        The task, in the axes of the turn.
+    """
+    pre = setup.start
+    least, unit = _least_separation_um(pre, setup), fine(setup)
+    turned = (_turn(least + unit * extra, pre, setup) for extra in SEPARATION_STEPS_UM)
+    return any(one is not None for one in turned)
+
+
 def beside_um(pre: PoseBox, setup: Setup) -> tuple[float, float]:
     """Over what length two opposite edges lie beside each other, and how much a rotation needs of it, um.
 

@@ -212,7 +212,12 @@ def check_effects(effects: Effects, corners: int, probes: int, motion: MotionMod
     ):  # fmt: skip
         for run in np.flatnonzero((table[:, column] % 1.0 != 0.0) | (table[:, column] >= most)):
             rule = f"must be a whole number below {most}, the {those}"
-            refuse(f"effects.{name}", f"run {run} has {table[run, column]:g}", rule, f"count the {advice}")
+            refuse(
+                f"effects.{name}",
+                f"run {run} has {table[run, column]:g}",
+                rule,
+                f"count the {advice}",
+            )
     for run in np.flatnonzero(np.abs(table[:, LAYS]).sum(axis=1) >= 1.0):
         refuse(
             "effects",

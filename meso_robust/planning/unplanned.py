@@ -1,0 +1,168 @@
+"""Where every plan for a task ends too soon, however small its uncertainties, and what gives one.
+
+What is said to give one was tried: for the task with that change alone a plan was found.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator, Sequence
+from enum import Enum
+from itertools import combinations
+
+from meso_robust.planning.effort import EffortSpentError, limited
+from meso_robust.planning.rotation import is_turned
+from meso_robust.planning.x_translation import upright
+from meso_robust.primitives.frame import HEADINGS, Frame
+from meso_robust.primitives.setup import Setup
+from meso_robust.task import Part, Task
+
+TRYING_S = 6.0
+"""s of computing, about, for all changes together."""
+ENOUGH = 2
+"""Changes that are told at most."""
+NEAR = 0.03
+"""Share by which friction is taken to be known."""
+THIN_UM = 1.0
+"""Radius of a thin tip, um."""
+
+
+class Stuck(Enum):
+    """The first thing that no plan gets past."""
+
+    STRAIGHTENING = "no push straightens the part: the tip that touches first does not hold it until the other one touches"
+    TURNING = "no turn of the part between two tips is proved, however far apart they stand"
+    ARRIVING = "the pushes that must follow do not end in the goal"
+
+
+Change = tuple[str, str, Task]
+"""What is changed, how far it is, in words, and the task with it."""
+
+
+def where(setup: Setup, turning: Sequence[Frame]) -> Stuck:
+    """What no plan for a task gets past.
+
+    Parameters
+    ----------
+    setup
+        The task, its uncertainties as small as they are tried.
+    turning
+        Axes in which a plan would turn the part by a quarter; none if it need not be turned.
+    """
+    if turning:
+        turned = any(is_turned(frame.setup(setup)) for frame in turning)
+        return Stuck.ARRIVING if turned else Stuck.TURNING
+    frames = (Frame(heading=heading) for heading in HEADINGS)
+    straightened = any(_straightens(frame.setup(setup)) for frame in frames)
+    return Stuck.ARRIVING if straightened else Stuck.STRAIGHTENING
+
+
+def _straightens(there: Setup) -> bool:
+    slips = there.may_slip
+    push = upright(there.start, there, step=3, primitive="x_translation", slipping=slips)
+    return push is not None
+
+
+def settling(task: Task, stuck: Stuck, planned: Callable[[Task], bool]) -> str:
+    """What gives a plan, as the end of a sentence.
+
+    Parameters
+    ----------
+    task
+        What was asked for.
+    stuck
+        What no plan for it gets past.
+    planned
+        Whether a plan is found for a task with uncertainties as small as they are tried.
+    """
+    tried: dict[str, None] = {}
+    helps: list[str] = []
+    try:
+        with limited(TRYING_S):
+            for kind, words, changed in _changes(task, stuck):
+                if planned(changed):
+                    helps.append(words)
+                if len(helps) == ENOUGH:
+                    break
+                tried[kind] = None
+    except EffortSpentError:
+        pass
+    if helps:
+        return f"one was found with {' or with '.join(helps)}, and nothing else changed"
+    alone = f" of {', '.join(tried)}" if tried else ""
+    return (
+        f"no change{alone} that was tried gives one by itself: give another goal, part or way there"
+    )
+
+
+def _changes(task: Task, stuck: Stuck) -> Iterator[Change]:
+    """What a laboratory could change, the likeliest first."""
+    if task.probe.headings is not None:
+        probe = task.probe.model_copy(update={"headings": None})
+        yield "the probes' sides", "probes on all sides", task.model_copy(update={"probe": probe})
+    if stuck is Stuck.STRAIGHTENING:
+        yield from _friction(task, (2.0, 4.0))
+    if stuck is Stuck.TURNING:
+        yield from _thin(task)
+        yield from _friction(task, (0.5, 0.25))
+    yield from _start(task, (1.0, 3.0))
+    yield from _goal(task, (2.0, 4.0))
+    if stuck is Stuck.ARRIVING:
+        yield from _thin(task)
+        yield from _friction(task, (2.0, 0.5))
+
+
+def _friction(task: Task, factors: Sequence[float]) -> Iterator[Change]:
+    for factor in factors:
+        mu = min(0.5 * factor * sum(task.uncertainty.friction), 1.0)
+        ends = (1.0 - NEAR) * mu, (1.0 + NEAR) * mu
+        of = task.uncertainty.model_copy(update={"friction": ends})
+        yield (
+            "friction",
+            f"friction of {mu:.2g} at the tips",
+            task.model_copy(update={"uncertainty": of}),
+        )
+
+
+def _thin(task: Task) -> Iterator[Change]:
+    if task.probe.tip_radius_um is None or task.probe.tip_radius_um[1] <= THIN_UM:
+        return
+    thin = (THIN_UM, THIN_UM)
+    probe = task.probe.model_copy(update={"tip_radius_um": thin, "passive_tip_radius_um": thin})
+    yield "the tips", f"tips of {THIN_UM:g} um", task.model_copy(update={"probe": probe})
+
+
+def _start(task: Task, lengths: Sequence[float]) -> Iterator[Change]:
+    start, goal = task.start, task.goal
+    ahead, aside = start.x_um - goal.x_um, start.y_um - goal.y_um
+    far = (ahead * ahead + aside * aside) ** 0.5
+    if far == 0.0:
+        return
+    for length in lengths:
+        more = length * _length_um(task) / far
+        x, y = start.x_um + more * ahead, start.y_um + more * aside
+        moved = start.model_copy(update={"x_um": x, "y_um": y})
+        yield (
+            "the start",
+            f"a start {more * far:.0f} um further from the goal",
+            task.model_copy(update={"start": moved}),
+        )
+
+
+def _length_um(task: Task) -> float:
+    if isinstance(task.part, Part):
+        return task.part.length_um
+    return max(math.dist(one, other) for one, other in combinations(task.part.polygon_um, 2))
+
+
+def _goal(task: Task, factors: Sequence[float]) -> Iterator[Change]:
+    keys = (("position_tolerance_um", "um", 1e5), ("orientation_tolerance_deg", "deg", 45.0))
+    for key, unit, most in keys:
+        for factor in factors:
+            wide = min(factor * getattr(task.goal, key), most)
+            goal = task.goal.model_copy(update={key: wide})
+            yield (
+                "the goal's tolerance",
+                f"a goal of +- {wide:g} {unit}",
+                task.model_copy(update={"goal": goal}),
+            )
