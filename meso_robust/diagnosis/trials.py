@@ -228,7 +228,10 @@ TRIALS: Mapping[str, Try] = {
     ),
     "shear_thinning": Try(
         "pushes off the centre and through it, on a film known to be without dry contact",
-        sized(exponent_drop=0.05),
+        formed(
+            sized(exponent_drop=0.05),
+            shaped({"exponent_drop": 0.1}, {"speed_um_s": 15.0}, speed_um_s=(15.0, 60.0)),
+        ),
     ),
     "anisotropic_drag": Try(
         "one push repeated with part and push turned by 90° on the stage",

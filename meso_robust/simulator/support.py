@@ -72,7 +72,8 @@ SUPPORT = Stage(
         Effect(
             name="shear_thinning",
             equation="f = −|u/v₀|^(n−1) u on every part of the area, n = 1 − drop",
-            source="W. Ostwald 1925; power-law fluid",
+            source="W. Ostwald 1925; power-law fluid; P. J. Carreau 1972, doi:10.1122/1.549276",
+            forms=("a power of the speed", "(1 + (u/v)²)^((n−1)/2): even at rest, a power far above v"),
             parameters=(
                 Parameter(
                     key="exponent_drop",
@@ -81,6 +82,15 @@ SUPPORT = Stage(
                     low=-0.9,
                     high=0.9,
                     meaning="1 − n, positive for thinning",
+                ),
+                Parameter(
+                    key="speed_um_s",
+                    unit="µm/s",
+                    to_si=_UM,
+                    default=30.0 * _UM,
+                    low=1e-3 * _UM,
+                    size=False,
+                    meaning="v, of the second form",
                 ),
             ),
         ),
@@ -235,6 +245,8 @@ _STRIBECK = SUPPORT.slot("stribeck_friction", "ratio")
 _STRIBECK_SPEED = SUPPORT.slot("stribeck_friction", "speed_um_s")
 _STRIBECK_FORM = SUPPORT.slot("stribeck_friction", FORM)
 _DROP = SUPPORT.slot("shear_thinning", "exponent_drop")
+_DROP_SPEED = SUPPORT.slot("shear_thinning", "speed_um_s")
+_DROP_FORM = SUPPORT.slot("shear_thinning", FORM)
 _STAGE_LAY = SUPPORT.slot("anisotropic_drag", "fraction")
 _STAGE_LAY_ANGLE = SUPPORT.slot("anisotropic_drag", "direction_deg")
 _STAGE_LAY_FORM = SUPPORT.slot("anisotropic_drag", FORM)
@@ -557,8 +569,12 @@ def _strength(
     drop = effects[_DROP]
     if drop == 0.0:
         return c + w * dry, 0.0, 0.0
-    thin = w * (speed / REFERENCE_SPEED) ** -drop
-    return c + w * dry, thin - w, drop * thin
+    if effects[_DROP_FORM] == 0.0:
+        thin = w * (speed / REFERENCE_SPEED) ** -drop
+        return c + w * dry, thin - w, drop * thin
+    fast = (speed / effects[_DROP_SPEED]) ** 2
+    thin = w * (1.0 + fast) ** (-0.5 * drop)
+    return c + w * dry, thin - w, drop * thin * fast / (1.0 + fast)
 
 
 @sealed

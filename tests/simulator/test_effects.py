@@ -610,6 +610,12 @@ def thin(ux: F, uy: F, x: F, y: F) -> tuple[F, F]:
     return k * ux, k * uy
 
 
+def thin_above(ux: F, uy: F, x: F, y: F) -> tuple[F, F]:
+    """P. J. Carreau's fluid of n = 0.3 about 40 µm/s."""
+    k = np.sqrt((1.0 + (ux**2 + uy**2) / (40e-6) ** 2) ** -0.7)
+    return k * ux, k * uy
+
+
 def centred(speed: F, x: F, y: F) -> F:
     """Pressure with its centre at (120, −40) µm: slopes p / (second moment)."""
     slope = 120e-6 * x / (HALF_LONG**2 / 3) - 40e-6 * y / (HALF_SHORT**2 / 3)
@@ -625,6 +631,10 @@ LAWS: dict[str, tuple[Values, Law]] = {
     ),
     "uneven": ({"uneven_support": {"ratio": 0.6, "x_um": 120.0, "y_um": -40.0}}, coulomb(centred)),
     "thinning": ({"shear_thinning": {"exponent_drop": 0.4}}, thin),
+    "thinning above a speed": (
+        {"shear_thinning": {"exponent_drop": 0.7, "speed_um_s": 40.0, "form": 1.0}},
+        thin_above,
+    ),
     "stage lay": (
         {"anisotropic_drag": {"fraction": 0.4, "direction_deg": 50.0}},
         lay(0.4, np.deg2rad(50) - START[2]),
