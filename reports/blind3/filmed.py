@@ -2,7 +2,7 @@
 
 Sets of the same kinds and laws as the others, drawn with other seeds. Films are made by `film` and tracked by ``track``,
 then diagnosed in the quick and in the full form. Those of `SHORT` and of `LATE`, most of them outside the catalogue or a
-pair, come as recordings; so do those of `WHOLE`, which has every kind in its share.
+pair, come as recordings; so do those of `WHOLE` and `LAST`, which have every kind in its share.
 """
 
 from __future__ import annotations
@@ -207,7 +207,15 @@ WHOLE = Trial(
     ),
     forms=("quick",),
 )
-TRIALS = {"films": FILMS, "short": SHORT, "late": LATE, "whole": WHOLE}
+LAST = Trial(
+    out=HERE / "last",
+    cases=listed(100, 20261201),
+    made=sealed,
+    follows=("generate.py", "laws.py", "cases.py"),
+    blocks=((0, 100, "friction of one tip, inertia, and a film that thins above a speed are known"),),
+    forms=("quick",),
+)
+TRIALS = {"films": FILMS, "short": SHORT, "late": LATE, "whole": WHOLE, "last": LAST}
 
 
 def main(arguments: Sequence[str] | None = None) -> None:
