@@ -30,9 +30,10 @@ HISTORIES = frozenset({"stretch", "shear", "bend", "centre_a", "centre_n"})
 ARCS = 8
 """On each the slopes of the integrand are bounded."""
 LONGEST = 0.13
-"""rad: of the arcs of a quadrature; with eight terms the remainder is far below a nanometre, but where
-the part hardly begins to turn: there an arc is halved until it is below ``CLOSE``, in m."""
+"""rad: of the arcs of a quadrature; with eight terms the remainder is far below a nanometre, but not where
+the part hardly begins to turn."""
 CLOSE, HALVINGS = 1e-13, 8
+"""m: an arc whose remainder is not below is halved, so often at most."""
 TERMS = 8
 """Terms of a Taylor polynomial; even, so that the power in the remainder has one sign."""
 STEPS = 24
@@ -203,7 +204,9 @@ def _integrand(
 
 def _quadrature(values: State, turned: arb) -> arb:
     """Travel of a turn at a point of a box."""
-    pieces = max(1, math.ceil(abs(float(turned)) / LONGEST)) if turned.is_finite() else 1
+    if not turned.is_finite():
+        return NAN
+    pieces = max(1, math.ceil(abs(float(turned)) / LONGEST))
     half = turned / (2 * pieces)
     return sum((_arc(values, half * (2 * k + 1), half, HALVINGS) for k in range(pieces)), arb(0))
 
@@ -212,20 +215,30 @@ def _arc(values: State, middle: arb, half: arb, halvings: int) -> arb:
     """Travel of a turn from ``middle - half`` to ``middle + half``."""
     around = _taylor(values, (middle - half).union(middle + half))
     square, power = half * half, half * 2
-    remainder = around[TERMS] * half * 2 * square ** (TERMS // 2) / (TERMS + 1)
+    remainder = NAN
+    if around is not None:
+        remainder = around[TERMS] * half * 2 * square ** (TERMS // 2) / (TERMS + 1)
     if halvings and not remainder.rad() < CLOSE:
         ends = (_arc(values, middle + half / 2 * k, half / 2, halvings - 1) for k in (-1, 1))
         return sum(ends, arb(0))
     near, found = _taylor(values, middle), remainder
+    if near is None:
+        return NAN
     for n in range(0, TERMS, 2):
         found += near[n] * power / (n + 1)
         power *= square
     return found
 
 
-def _taylor(values: State, at: arb) -> arb_series:
-    """The integrand as a power series about a point; about a ball, the one about each of its points."""
-    found = _integrand(*_at(values, arb_series([at, arb(1)], prec=TERMS + 1)))
+def _taylor(values: State, at: arb) -> arb_series | None:
+    """The integrand as a power series about a point; about a ball, the one about each of its points.
+
+    None where it may have a pole.
+    """
+    try:
+        found = _integrand(*_at(values, arb_series([at, arb(1)], prec=TERMS + 1)))
+    except ValueError:  # python-flint's word for a divisor that may be zero
+        return None
     if not isinstance(found, arb_series) or found.prec <= TERMS:
         raise ArithmeticError(f"a power series of fewer than {TERMS + 1} terms")
     return found

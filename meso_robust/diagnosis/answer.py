@@ -15,6 +15,7 @@ from meso_robust.diagnosis.controls import SAME
 from meso_robust.diagnosis.detect import ALARM
 from meso_robust.diagnosis.diagnose import Diagnosis, diagnose
 from meso_robust.diagnosis.document import SCHEMA, DiagnosisDocument
+from meso_robust.diagnosis.each_push import EachPush
 from meso_robust.diagnosis.folds import RollOut
 from meso_robust.diagnosis.grading import Grade
 from meso_robust.diagnosis.judge import NAMED, SURE, Explained
@@ -43,6 +44,8 @@ from meso_robust.toml_files import toml_of
 from meso_robust.types import Floats
 
 UM, DEG = 1e6, 180.0 / np.pi
+SPREAD = "friction_spread"
+"""Effect that friction of its own in every push is told as."""
 VISCOSITY = "film_viscosity"
 """The scale of the drag: no motion depends on it."""
 FORM_NATS = 5.0
@@ -97,7 +100,7 @@ def document(found: Diagnosis, version: str, remarks: tuple[str, ...] = ()) -> D
             ),
             "relevant_um": UM * found.grade.relevant,
             "explainable_um": UM * found.grade.size,
-            "effects": _effects(found, best, answers) if best else (),
+            "effects": _effects(found, best, answers) if best else _spread(found),
             "ambiguous_with": tuple(
                 one.effects for one in (*found.grade.rivals, *found.grade.alike)
             ),
@@ -199,7 +202,7 @@ def _why(found: Diagnosis) -> str:
             "the camera or the stage shook"
         )
     if found.verdict == "unknown" or grade.chosen is None or grade.explained is None:
-        return _unexplained(grade) + reach
+        return (_each_push(found.each_push) if found.each_push else _unexplained(grade)) + reach
     main = tuple(name for name in _by_share(grade) if name not in grade.beside)
     most = sum(grade.shares.get(name, 0.0) for name in main)
     if found.verdict == "partial" and main and grade.beside and most >= NAMED:
@@ -213,6 +216,15 @@ def _why(found: Diagnosis) -> str:
         adequate = grade.chosen.adequate and not grade.chosen.rejected
         return said + (", and leaves nothing that the detector sees" if adequate else reach)
     return f"{said}: {_lacking(grade, grade.explained)}{reach}"
+
+
+def _each_push(own: EachPush) -> str:
+    """What is told where the friction differs from push to push."""
+    return (
+        f"friction of its own in every push, told by the first half of the push, explains {100.0 * own.explained.share:.0f} % "
+        f"of the explainable error of the second halves: {own.least:.2g} to {own.most:.2g} in the {own.pushes} pushes that "
+        "tell it; no recording predicts that of another one"
+    )
 
 
 def _explains(names: Sequence[str], share: float) -> str:
@@ -395,6 +407,25 @@ def _effects(
         for trial in sorted(
             best.refit.trials, key=lambda one: -found.grade.shares.get(one.effect, 0.0)
         )
+    )
+
+
+def _spread(found: Diagnosis) -> tuple[dict[str, object], ...]:
+    """Friction of its own in every push, where that is the answer."""
+    own = found.each_push
+    if own is None:
+        return ()
+    value, low, high = own.spread
+    return (
+        {
+            "name": SPREAD,
+            "probability": 1.0,
+            "parameters": {"change": {"value": value, "low": low, "high": high, "unit": ""}},
+            "stage": stage_of(SPREAD).name,
+            "equation": CATALOGUE[SPREAD].equation,
+            "share": own.explained.share,
+            "form": "of every push its own; told is the standard deviation",
+        },
     )
 
 

@@ -22,6 +22,7 @@ from meso_robust.diagnosis.common_error import roomier, widened
 from meso_robust.diagnosis.controls import Control, Decoys, black_box, control, decoys
 from meso_robust.diagnosis.detect import Detected, detected, spans_of
 from meso_robust.diagnosis.document import Verdict
+from meso_robust.diagnosis.each_push import EachPush, each_push
 from meso_robust.diagnosis.folds import RollOut, bench_of, intervals_by_fold
 from meso_robust.diagnosis.grading import Grade, graded, sized
 from meso_robust.diagnosis.invariances import Pair
@@ -55,6 +56,8 @@ NULLS = {True: 199, False: 399}
 below, by 0.005 and 0.0025."""
 
 
+MOST = 0.5
+"""Lower end of what friction of every push's own explains, from which on it is the answer."""
 _AMISS = 1.5  # σ, that a recording held out leaves of a model that fits all others
 
 
@@ -111,6 +114,8 @@ class Diagnosis:
         Intervals of the numbers of the extended model; none where nothing was added.
     residual
         A law of what has no name, where the verdict is partial or unknown; None where none was found.
+    each_push
+        Friction of its own in every push, where that is the answer; None where it is not.
     """
 
     recordings: RecordingSet
@@ -127,6 +132,7 @@ class Diagnosis:
     checked: Checked
     known: tuple[Interval, ...] = ()
     residual: ResidualLaw | None = None
+    each_push: EachPush | None = None
 
     @property
     def baseline(self) -> Baseline:
@@ -215,8 +221,28 @@ def diagnose(
         other = _answered(recordings, noise, before, replace(asked, quick=True))
         if not quick and _explains(other):
             other = _answered(recordings, noise, before, asked)
-        return other if _explains(other) else found
-    return found
+        found = other if _explains(other) else found
+    return _by_push(found) if found.verdict == "unknown" else found
+
+
+def _by_push(found: Diagnosis) -> Diagnosis:
+    """A diagnosis without a name, partial if friction of its own in every push explains most of the error."""
+    grade = found.grade
+    own = each_push(grade.bench, grade.plain, grade.floor, found.seed)
+    if own is None or not (own.explained.tells and own.explained.low >= MOST):
+        return found
+    partial = replace(
+        grade,
+        verdict="partial",
+        chosen=None,
+        extended=None,
+        rivals=(),
+        alike=(),
+        beside=(),
+        explained=own.explained,
+        shares={},
+    )
+    return replace(found, grade=partial, extended=None, checked=Checked(), known=(), each_push=own)
 
 
 def _explains(found: Diagnosis) -> bool:

@@ -88,13 +88,13 @@ class Judge:
     def surely_worse(self, chosen: Names, rival: Names, seed: int) -> bool:
         """Whether another set predicts worse, of whatever recordings there might have been."""
         behind = self.sums(rival) - self.sums(chosen)
-        drawn = _resampled(len(behind), seed) @ behind
+        drawn = resampled(len(behind), seed) @ behind
         return bool(np.quantile(drawn, 0.5 * (1.0 - INTERVAL)) > 0.0)
 
     def explained(self, names: Names, seed: int) -> Explained:
         """Share of a set, with its interval by resampling recordings."""
         fall, whole = self.sums(()) - self.sums(names), self.sums(()) - self.floor
-        drawn = _resampled(len(fall), seed)
+        drawn = resampled(len(fall), seed)
         shares = (drawn @ fall) / np.maximum(drawn @ whole, 1e-12)
         tail = 0.5 * (1.0 - INTERVAL)
         low, high = np.quantile(shares, [tail, 1.0 - tail])
@@ -208,7 +208,7 @@ def _floor(bench: Bench, predicted: Mapping[Names, RollOut], reach: float | None
     return np.asarray(floor * min(1.0, _BELOW * least / float(floor.sum())))
 
 
-def _resampled(count: int, seed: int) -> Floats:
+def resampled(count: int, seed: int) -> Floats:
     """(B, R) weights of recordings, of Rubin's Bayesian bootstrap.
 
     Recordings drawn with replacement would leave out, in a tenth of the draws, the two of eight that push

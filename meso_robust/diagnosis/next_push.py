@@ -42,6 +42,10 @@ def next_experiment(found: Diagnosis) -> dict[str, object]:
     answers = found.answers
     if len(answers) > 1:
         return _telling(found, answers[0], answers[1])
+    if found.each_push is not None:
+        least, most = found.each_push.least, found.each_push.most
+        what = f"clean tip and edge, and repeat one push ten times; until it is alike plan with friction = [{least:.2g}, {most:.2g}]"
+        return {"why": "friction differs from push to push", "push": {"what": what}}
     odd = found.grade.remainder.odd
     if found.verdict == "unknown" and odd:
         what = f"record the push of {odd} once more, and diagnose the set without that file"

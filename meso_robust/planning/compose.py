@@ -140,10 +140,10 @@ def compose(task: Task, search_s: float | None = None) -> Found:
         No primitive can handle the start pose, or no plan was found however small the uncertainties.
     """
     if task.probe.max_force_un is None:
-        return _composed(task, search_s)
-    found, refused = None, None
+        return _composed(task, search_s, asked=search_s is not None)
+    found, refused = None, NotApplicableError("")
     try:
-        found = _composed(task, search_s)
+        found = _composed(task, search_s, asked=False)
     except NotApplicableError as error:
         refused = error
     if found is not None and found.scale >= 1.0:
@@ -151,16 +151,17 @@ def compose(task: Task, search_s: float | None = None) -> Found:
     settling = None if search_s is None else SETTLING * search_s
     probe = task.probe.model_copy(update={"max_force_un": None})
     with suppress(NotApplicableError):
-        free = _composed(task.model_copy(update={"probe": probe}), settling)
+        free = _composed(task.model_copy(update={"probe": probe}), settling, asked=False)
         force = _largest_force(free.rules, setup_of(task)) if free.scale >= 1.0 else None
         if force is not None:
             return replace(free, remedy=Remedy.RAISE_CAP, force_n=force)
     if found is None:
-        raise refused or _no_plan(task, asked=search_s is not None)
+        asked = search_s is not None
+        raise _no_plan(task, asked=asked) if isinstance(refused, _NoPlanError) else refused
     return found
 
 
-def _composed(task: Task, search_s: float | None) -> Found:
+def _composed(task: Task, search_s: float | None, *, asked: bool) -> Found:
     """As `compose`; a cap on the forces is asked of every move, as all else is."""
     ways, choices = _ways(task), _choices(task)
     last = cache(partial(_rules, task, ways, choices[-1], REDUCED[-1]))
@@ -168,7 +169,7 @@ def _composed(task: Task, search_s: float | None) -> Found:
     ended = None
     try:
         with limited(search_s):
-            found = _for_task(task, ways, choices, last, asked=search_s is not None)
+            found = _for_task(task, ways, choices, last, asked=asked)
     except EffortSpentError:
         found, ended = None, search_s
     if found is not None:
@@ -189,28 +190,32 @@ def _composed(task: Task, search_s: float | None) -> Found:
             f"no robust plan was found within {within:g} s of computing, nor one with all uncertainties scaled by "
             f"{REDUCED[-1]}: look longer (--search-s), or start further from the goal, or widen the goal"
         )
-    raise _no_plan(task, asked=search_s is not None)
+    raise _no_plan(task, asked=asked)
 
 
-def _no_plan(task: Task, *, asked: bool) -> NotApplicableError:
+class _NoPlanError(NotApplicableError):
+    """None was found, though primitives can handle the start."""
+
+
+def _no_plan(task: Task, *, asked: bool) -> _NoPlanError:
     """Of a task for which none is found however small its uncertainties; ``asked``: whether a person waits for it."""
     found = f"no robust plan was found, even with all uncertainties scaled by {REDUCED[-1]}"
     ways, choices = _ways(task), _choices(task)
-    setup = setup_of(task, REDUCED[-1])
+    setup, headings = setup_of(task, REDUCED[-1]), _last_headings(ways, choices[-1])
+    stated = task.probe.headings
+    sides = ", or state probes on more sides ([probe] headings)" if stated and len(stated) < len(HEADINGS) else ""  # fmt: skip
+    advice = f"start further from the goal, or widen the goal{sides}"
+    if not asked:
+        return _NoPlanError(f"{found}: {advice}")
     try:
         with limited(STUCK_S):
-            stuck = where(setup, [way.frame for way in ways if way.turns])
+            turning = [way.frame for way in ways if way.turns]
+            stuck = (
+                Stuck.ARRIVING if leaves_goal(setup, headings) else where(setup, turning, headings)
+            )
     except EffortSpentError:
-        return NotApplicableError(
-            f"{found}: start further from the goal, or widen the goal, or state probes on more sides"
-        )
-    if leaves_goal(setup, _last_headings(ways, choices[-1])):
-        stuck = Stuck.ARRIVING
-    why = f"{found}: {stuck.value}"
-    if asked:
-        return NotApplicableError(f"{why}; {settling(task, stuck, _bearable)}")
-    more = "; state probes on more sides ([probe] headings)" if task.probe.headings else ""
-    return NotApplicableError(why + more)
+        return _NoPlanError(f"{found}: {advice}")
+    return _NoPlanError(f"{found}: {stuck.value}; {settling(task, stuck, _bearable)}")
 
 
 def _bearable(task: Task) -> bool:

@@ -1,6 +1,7 @@
 """Where every plan for a task ends too soon, however small its uncertainties, and what gives one.
 
-What is said to give one was tried: for the task with that change alone a plan was found.
+What is said to give one was tried: for the task with that change alone, and with uncertainties as small, a plan was
+found in the open.
 """
 
 from __future__ import annotations
@@ -13,7 +14,7 @@ from itertools import combinations
 from meso_robust.planning.effort import EffortSpentError, limited
 from meso_robust.planning.rotation import is_turned
 from meso_robust.planning.x_translation import upright
-from meso_robust.primitives.frame import HEADINGS, Frame
+from meso_robust.primitives.frame import HEADINGS, Frame, Heading
 from meso_robust.primitives.setup import Setup
 from meso_robust.task import Part, Task
 
@@ -23,6 +24,8 @@ ENOUGH = 2
 """Changes that are told at most."""
 NEAR = 0.03
 """Share by which friction is taken to be known."""
+MORE = (0.1, 0.2, 0.4, 0.8)
+"""Frictions of tips that hold better."""
 THIN_UM = 1.0
 """Radius of a thin tip, um."""
 
@@ -31,7 +34,7 @@ class Stuck(Enum):
     """The first thing that no plan gets past."""
 
     STRAIGHTENING = "no push straightens the part: the tip that touches first does not hold it until the other one touches"
-    TURNING = "no turn of the part between two tips is proved, however far apart they stand"
+    TURNING = "no turn of the part between two tips is proved from where it starts"
     ARRIVING = "the pushes that must follow do not end in the goal"
 
 
@@ -39,7 +42,7 @@ Change = tuple[str, str, Task]
 """What is changed, how far it is, in words, and the task with it."""
 
 
-def where(setup: Setup, turning: Sequence[Frame]) -> Stuck:
+def where(setup: Setup, turning: Sequence[Frame], headings: Sequence[Heading]) -> Stuck:
     """What no plan for a task gets past.
 
     Parameters
@@ -48,11 +51,13 @@ def where(setup: Setup, turning: Sequence[Frame]) -> Stuck:
         The task, its uncertainties as small as they are tried.
     turning
         Axes in which a plan would turn the part by a quarter; none if it need not be turned.
+    headings
+        In which it can be pushed.
     """
     if turning:
         turned = any(is_turned(frame.setup(setup)) for frame in turning)
         return Stuck.ARRIVING if turned else Stuck.TURNING
-    frames = (Frame(heading=heading) for heading in HEADINGS)
+    frames = (Frame(heading=heading) for heading in headings)
     straightened = any(_straightens(frame.setup(setup)) for frame in frames)
     return Stuck.ARRIVING if straightened else Stuck.STRAIGHTENING
 
@@ -77,6 +82,7 @@ def settling(task: Task, stuck: Stuck, planned: Callable[[Task], bool]) -> str:
     """
     tried: dict[str, None] = {}
     helps: list[str] = []
+    ended = "no change"
     try:
         with limited(TRYING_S):
             for kind, words, changed in _changes(task, stuck):
@@ -86,42 +92,44 @@ def settling(task: Task, stuck: Stuck, planned: Callable[[Task], bool]) -> str:
                     break
                 tried[kind] = None
     except EffortSpentError:
-        pass
+        ended = f"in {TRYING_S:g} s no change"
     if helps:
-        return f"one was found with {' or with '.join(helps)}, and nothing else changed"
-    alone = f" of {', '.join(tried)}" if tried else ""
-    return (
-        f"no change{alone} that was tried gives one by itself: give another goal, part or way there"
-    )
+        slot = ", and without the slot" if task.slot else ""
+        return f"with uncertainties as small{slot}, one was found with {' or with '.join(helps)}"
+    if not tried:
+        return "there was no time to try what would give one"
+    return f"{ended} of {', '.join(tried)} that was tried gives one by itself"
 
 
 def _changes(task: Task, stuck: Stuck) -> Iterator[Change]:
     """What a laboratory could change, the likeliest first."""
-    if task.probe.headings is not None:
+    if task.probe.headings is not None and len(task.probe.headings) < len(HEADINGS):
         probe = task.probe.model_copy(update={"headings": None})
         yield "the probes' sides", "probes on all sides", task.model_copy(update={"probe": probe})
+    if task.probe.max_force_un is not None:
+        probe = task.probe.model_copy(update={"max_force_un": None})
+        yield "the cap on forces", "no cap on forces", task.model_copy(update={"probe": probe})
+    middle = 0.5 * sum(task.uncertainty.friction)
     if stuck is Stuck.STRAIGHTENING:
-        yield from _friction(task, (2.0, 4.0))
+        yield from _friction(task, [mu for mu in MORE if mu > 1.5 * middle][:2])
     if stuck is Stuck.TURNING:
         yield from _thin(task)
-        yield from _friction(task, (0.5, 0.25))
+        yield from _friction(task, [mu for mu in (0.5 * middle, 0.25 * middle) if mu > 0.0])
     yield from _start(task, (1.0, 3.0))
     yield from _goal(task, (2.0, 4.0))
     if stuck is Stuck.ARRIVING:
         yield from _thin(task)
-        yield from _friction(task, (2.0, 0.5))
+        yield from _friction(
+            task, [mu for mu in (*MORE, 0.5 * middle) if mu > 1.5 * middle or 0.0 < mu < middle][:2]
+        )
 
 
-def _friction(task: Task, factors: Sequence[float]) -> Iterator[Change]:
-    for factor in factors:
-        mu = min(0.5 * factor * sum(task.uncertainty.friction), 1.0)
+def _friction(task: Task, frictions: Sequence[float]) -> Iterator[Change]:
+    for mu in frictions:
         ends = (1.0 - NEAR) * mu, (1.0 + NEAR) * mu
         of = task.uncertainty.model_copy(update={"friction": ends})
-        yield (
-            "friction",
-            f"friction of {mu:.2g} at the tips",
-            task.model_copy(update={"uncertainty": of}),
-        )
+        words = f"friction of {mu:.2g} (+- {100 * NEAR:g} %) at the tips"
+        yield "friction", words, task.model_copy(update={"uncertainty": of})
 
 
 def _thin(task: Task) -> Iterator[Change]:

@@ -234,7 +234,7 @@ def held_out_words(document: DiagnosisDocument) -> str:
     if not held.recordings:
         return "no recording was held out"
     before, after = (significant(v, 3) for v in (held.baseline_sigma, held.extended_sigma))
-    return f"held-out error {before if not document.effects else f'{before} → {after}'} σ"
+    return f"held-out error {before if before == after else f'{before} → {after}'} σ"
 
 
 def sets(document: DiagnosisDocument) -> list[str]:
@@ -306,7 +306,7 @@ def noise_words(held: HeldOutSection) -> str:
 def _held_out_lines(document: DiagnosisDocument) -> list[str]:
     held = document.held_out
     lines = [f"  {held_out_words(document)} ({noise_words(held)})"]
-    if document.effects and held.recordings:
+    if document.effects and held.recordings and held.baseline_sigma != held.extended_sigma:
         low, high = down(100.0 * held.improvement_low, 0), up(100.0 * held.improvement_high, 0)
         lines[0] += (
             f", {held.baseline_um:.2f} → {held.extended_um:.2f} µm, falls by {signed(low)}–{signed(high)} %"

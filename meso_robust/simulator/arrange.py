@@ -30,6 +30,7 @@ from meso_robust.simulator.support import INERTIA_TIME, NODE_SLOTS
 from meso_robust.simulator.support_models import Tables
 from meso_robust.simulator.tables import OBSTACLE_COLUMNS, OBSTACLES
 from meso_robust.simulator.tips import Flat, Point
+from meso_robust.simulator.touch import SPREAD, TIP
 from meso_robust.types import Floats, Ints
 
 _DEPTH = 20.0  # steps: what lies deeper than this is another side of the part
@@ -104,7 +105,7 @@ def inputs_of(push: Push, steps: Ints, unique: bool) -> Inputs:
 
     ``steps`` (1|N, T − 1) are those of its legs; ``unique``: look for a second motion too.
     """
-    table, tables = push.effects.table, push.support.tables()
+    table, tables = _effects(push), push.support.tables()
     outline = outlines(push.vertices, table) if push.effects.values else push.outlines
     edges, obstacles = _obstacles(push)
     return Inputs(
@@ -134,6 +135,17 @@ def outputs_of(push: Push, instants: Floats | None) -> Outputs:
         np.zeros(runs),
         record,
     )
+
+
+def _effects(push: Push) -> Floats:
+    """The table of effects, without the friction of a tip that the push does not have."""
+    table = push.effects.table
+    missing = table[:, TIP] >= push.waypoints.shape[2]
+    if not np.any(missing):
+        return table
+    table = table.copy()
+    table[missing, SPREAD], table[missing, TIP] = 0.0, 0.0
+    return table
 
 
 def _depth(push: Push, thick: float) -> float:
@@ -221,9 +233,10 @@ def _law(push: Push, tables: Tables, unique: bool) -> Floats:
     law[:, INERTIA : INERTIA + 3] = push.motion.row()
     if push.effects.is_on(INERTIA_TIME):
         nodes = quadrature(push.outlines[0], _NODES)
-        moment = float(nodes[:, 2] @ np.sum(nodes[:, :2] ** 2, axis=1))
+        spread = nodes[:, 2] @ np.column_stack([np.sum(nodes[:, :2] ** 2, axis=1), nodes[:, :2]])
         law[:, INERTIA] = np.where(times > 0.0, DYNAMIC, 0.0)
-        law[:, INERTIA + 1], law[:, INERTIA + 2] = times, moment * times
+        law[:, INERTIA + 1] = times
+        law[:, INERTIA + 2 : INERTIA + 5] = times[:, None] * spread
     law[:, IDLE] = push.step
     law[:, UNIQUE] = unique
     law[:, AHEAD] = 0.5 if push.frame == "middle" else 0.0

@@ -14,11 +14,11 @@ from meso_robust.simulator.tables import OBSTACLES, PART_LENGTH
 from meso_robust.simulator.touch import PULL_SLOTS
 from meso_robust.types import Floats
 
-FILM, SURFACE, INERTIA, IDLE, UNIQUE, AHEAD, LAY = 0, 6, 12, 15, 16, 17, 18
-"""First of six numbers each of film and limit surface, of three of the motion model; the unit of length
+FILM, SURFACE, INERTIA, IDLE, UNIQUE, AHEAD, LAY = 0, 6, 12, 17, 18, 19, 20
+"""First of six numbers each of film and limit surface, of five of the motion model; the unit of length
 of a step in which no tip moves; whether to look for a second motion in every step; by how many turns
 of the last step the angle of displacements is ahead; first of four of the stage's lay."""
-LAW = 22
+LAW = 24
 """Length of the vector of the law."""
 
 

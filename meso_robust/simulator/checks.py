@@ -193,31 +193,32 @@ def check_tables(tables: Tables, effects: Effects, runs: int) -> None:
         refuse("effects", on, "need a film where they change its drag", "give a Film or a Mixture")
 
 
-def check_effects(effects: Effects, corners: int, probes: int, motion: MotionModel) -> None:
-    """Refuse effects that have no meaning for a part of so many corners that so many probes move so.
+def check_effects(effects: Effects, corners: int, motion: MotionModel) -> None:
+    """Refuse effects that have no meaning for a part of so many corners that moves so.
 
     Raises
     ------
     ValueError
-        If an edge or a probe does not exist, if the lays of stage and part add up to a drag that is not
+        If an edge does not exist or a tip has no number, if the lays of stage and part add up to a drag that is not
         positive, if the support is changed although the motion model has none, or if it has an inertia itself.
     """
     table = effects.table
     if effects.is_on(INERTIA_TIME) and not isinstance(motion, QuasiStatic):
-        rule = f"is what {type(motion).__name__} has of its own"
-        refuse("effects.inertia", "with such a motion model", rule, "use QuasiStatic")
-    for name, column, most, those, advice in (
-        ("edge_dependent_friction.edge", EDGE, corners, "corners of the part", "edges from 0, by their first corner"),
-        ("friction_spread.tip", TIP, probes, "probes", "tips from 0, in the order of the waypoints"),
-    ):  # fmt: skip
-        for run in np.flatnonzero((table[:, column] % 1.0 != 0.0) | (table[:, column] >= most)):
-            rule = f"must be a whole number below {most}, the {those}"
-            refuse(
-                f"effects.{name}",
-                f"run {run} has {table[run, column]:g}",
-                rule,
-                f"count the {advice}",
-            )
+        given = f"given with motion = {type(motion).__name__}"
+        refuse("effects.inertia", given, "must be left out, as it has its own", "use QuasiStatic")
+    edge = table[:, EDGE]
+    for run in np.flatnonzero((edge % 1.0 != 0.0) | (edge >= corners)):
+        refuse(
+            "effects.edge_dependent_friction.edge",
+            f"run {run} has {edge[run]:g}",
+            f"must be a whole number below {corners}, the corners of the part",
+            "count the edges from 0, by their first corner",
+        )
+    tip = table[:, TIP]
+    for run in np.flatnonzero(tip % 1.0 != 0.0):
+        rule = "must be a whole number"
+        advice = "count the tips from 0, in the order of the waypoints"
+        refuse("effects.friction_spread.tip", f"run {run} has {tip[run]:g}", rule, advice)
     for run in np.flatnonzero(np.abs(table[:, LAYS]).sum(axis=1) >= 1.0):
         refuse(
             "effects",

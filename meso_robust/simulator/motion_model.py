@@ -87,7 +87,7 @@ def add_inertia(inertia: Floats, velocity: Floats, dt: float, K: Floats, offset:
     Parameters
     ----------
     inertia
-        (3,) row of the motion model.
+        (5,) row of the motion model, and mass times the place of its centre from the reference point.
     velocity
         (3,) velocity at the end of the last step, body frame.
     dt
@@ -95,11 +95,13 @@ def add_inertia(inertia: Floats, velocity: Floats, dt: float, K: Floats, offset:
     K, offset
         (6,) and (3,) as in `support.resist_dry`.
     """
-    mass, moment = inertia[1] / dt, inertia[2] / dt
+    mass, moment, x, y = inertia[1] / dt, inertia[2] / dt, inertia[3] / dt, inertia[4] / dt
     K[0] += mass
+    K[2] -= y
     K[3] += mass
+    K[4] += x
     K[5] += moment
     if inertia[0] == DYNAMIC:
-        offset[0] += mass * velocity[0]
-        offset[1] += mass * velocity[1]
-        offset[2] += moment * velocity[2]
+        offset[0] += mass * velocity[0] - y * velocity[2]
+        offset[1] += mass * velocity[1] + x * velocity[2]
+        offset[2] += moment * velocity[2] - y * velocity[0] + x * velocity[1]

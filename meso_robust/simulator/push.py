@@ -162,7 +162,7 @@ class Push:
         check_radii(self.radii, self.shapes)
         check_legs(self.legs, len(self.poses), len(self.lengths))
         check_tables(self.support.tables(), self.effects, len(self.poses))
-        check_effects(self.effects, self.vertices.shape[-2], self.waypoints.shape[2], self.motion)
+        check_effects(self.effects, self.vertices.shape[-2], self.motion)
         if self.frame not in ("middle", "start"):
             refuse("frame", repr(self.frame), 'must be "middle" or "start"', "leave it out")
         object.__setattr__(self, "steps_of_legs", self._steps())

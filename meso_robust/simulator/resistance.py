@@ -178,7 +178,7 @@ def _tangents(
     space, w, speed = state.space, work.step, unit / dt
     K, offset, twist, new = space[TANGENT], space[OFFSET], space[TWIST_NOW], space[TWIST_NEW]
     points, effects, kind = case.points, case.effects, case.law[INERTIA]
-    surface, inertia = case.law[SURFACE : SURFACE + 6], case.law[INERTIA : INERTIA + 3]
+    surface, inertia = case.law[SURFACE : SURFACE + 6], case.law[INERTIA : INERTIA + 5]
     heading = state.body[PART.cos], state.body[PART.sin]
     soft = bending(effects, heading[0], heading[1])
     slope = pressure_slope(points, effects) if dry else (0.0, 0.0, 0.0)

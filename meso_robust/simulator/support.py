@@ -73,7 +73,10 @@ SUPPORT = Stage(
             name="shear_thinning",
             equation="f = −|u/v₀|^(n−1) u on every part of the area, n = 1 − drop",
             source="W. Ostwald 1925; power-law fluid; P. J. Carreau 1972, doi:10.1122/1.549276",
-            forms=("a power of the speed", "(1 + (u/v)²)^((n−1)/2): even at rest, a power far above v"),
+            forms=(
+                "a power of the speed",
+                "(1 + (u/v)²)^((n−1)/2): constant well below v, a power well above",
+            ),
             parameters=(
                 Parameter(
                     key="exponent_drop",

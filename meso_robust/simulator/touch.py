@@ -93,9 +93,9 @@ _ATTRACTION_FORM = CONTACT.slot("tip_attraction", FORM)
 _CHANGE = CONTACT.slot("edge_dependent_friction", "change")
 EDGE = CONTACT.slot("edge_dependent_friction", "edge")
 """Column of the edge that has a friction of its own."""
-_SPREAD = CONTACT.slot("friction_spread", "change")
+SPREAD = CONTACT.slot("friction_spread", "change")
 TIP = CONTACT.slot("friction_spread", "tip")
-"""Column of the probe that has a friction of its own."""
+"""Columns of the change of friction of one probe, and of which it is."""
 PULL_SLOTS = (_ADHESION, _ATTRACTION)
 """Columns of effects that draw the part to a tip."""
 REACH_OF_ATTRACTION = 50.0
@@ -113,7 +113,7 @@ def friction_of_contacts(
     A corner of the part belongs to no edge and has the plain coefficient.
     """
     change, edge = effects[_CHANGE], effects[EDGE]
-    spread, tip = effects[_SPREAD], effects[TIP]
+    spread, tip = effects[SPREAD], effects[TIP]
     for c in range(count):
         mu = obstacles[marks[c, MARKS.who], OBSTACLES.friction]
         if spread != 0.0 and marks[c, MARKS.who] == tip:

@@ -42,6 +42,7 @@ from meso_robust.simulator.environment import FORCE_SLOTS
 from meso_robust.simulator.geometry import outlines, radii, tracked_of_reference
 from meso_robust.simulator.observation import observe
 from meso_robust.simulator.push import leg_times
+from meso_robust.simulator.support import INERTIA_TIME
 from meso_robust.simulator.touch import PULL_SLOTS
 from meso_robust.task import Task
 from meso_robust.types import Flags, Floats
@@ -54,6 +55,8 @@ _BACK = 0.25  # of the part's length: how far tips back off, if they pull at the
 _MENISCUS_STEP = 0.25e-6  # m, for menisci of a few um
 _FIXED_POINT = 4  # rounds for a start that is seen where the task has it
 _MECHANICS = "reference_offset"  # the one effect of the part's motion that is only seen
+_TIPS = "friction_spread"  # nobody says which tip of a plan is which of the recordings
+_GLIDES = 8.0  # times in which a free part stops, until it has
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -239,9 +242,13 @@ def _start(lab: _Laboratory) -> Floats:
 
 def _push(poses: Floats, ways: Floats, runs: Which, lab: _Laboratory, stated: Floats) -> Push:
     physics = lab.physics(runs)
-    felt = physics.effects.without(_MECHANICS)
+    felt = physics.effects.without(_MECHANICS).without(_TIPS)
     pulled = felt.is_on(*PULL_SLOTS)
     waypoints, times = _way(ways, lab, back=pulled)
+    if felt.is_on(INERTIA_TIME):
+        rest = _GLIDES * float(felt.table[:, INERTIA_TIME].max())
+        waypoints = np.concatenate([waypoints, waypoints[:, -1:]], axis=1)
+        times = np.concatenate([times, times[:, -1:] + rest], axis=1)
     return Push(
         vertices=rectangle(lab.setup),
         poses=poses,
@@ -278,7 +285,7 @@ def _rested(poses: Floats, runs: Flags, lab: _Laboratory) -> Floats:
         times=np.array([[0.0, HANDLING_S]]),
         friction=physics.friction,
         support=physics.support,
-        effects=physics.effects.without(_MECHANICS),
+        effects=physics.effects.without(_MECHANICS).without(_TIPS),
         fixture=walls(lab.setup),
         step=STEP,
     )

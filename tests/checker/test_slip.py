@@ -31,7 +31,6 @@ from meso_robust.planning.document import _rule as rule_document
 from meso_robust.primitives.grid import roomy
 from meso_robust.task import Task
 from tests.checker.test_turns import task
-from tests.nightly import at_night
 from tests.primitives import test_slip as promised
 
 UM = 1e-6
@@ -180,7 +179,6 @@ def beside(y_um: float, x_um: tuple[float, float] = (-8000.0, 3000.0)) -> tuple[
     return clear_of_walls(scene_of(stated()[0], told("pre_exact"), known), verified(), known)
 
 
-@at_night
 def test_a_wall_beside_the_way_of_a_tip_that_slips() -> None:
     """Proved 60 um beyond the highest place of a corner in runs, refused where runs meet the wall."""
     *_, passed = promised.runs(*promised.proved())

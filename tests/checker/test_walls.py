@@ -150,7 +150,6 @@ def test_walls_in_the_way_of_a_tip_only_are_rejected(slot_document: Document) ->
     assert refusal(answer(slot_document, **above)) == "tips_clear_of_walls"
 
 
-@at_night
 def test_the_margin_includes_the_walls(slot_document: Document) -> None:
     slot_document["margin"] |= {"factor": 1.2, "each_alone": dict.fromkeys(ALWAYS_STATED, 1.2)}
     obligation(slot_document, 3, "part_clear_of_walls")["lower_bound"] = (1e-9).hex()

@@ -21,7 +21,6 @@ from typer.testing import CliRunner
 from meso_robust.campaigns.store import NAME
 from meso_robust.cli import app
 from tests.campaigns.test_monte_carlo import HEAD, PLAN
-from tests.nightly import at_night
 
 NAMES = {"campaign.sqlite", "campaign.json", "report.html"}
 
@@ -158,7 +157,6 @@ def chunks_kept(out: Path) -> int:
                 return 0
 
 
-@at_night
 def test_killed_and_resumed_the_totals_are_the_same_bits(tmp_path: Path) -> None:
     path = written(tmp_path, {"executions": 3000, "chunk": 50})
     assert ran(path, "--out", tmp_path / "whole", "--workers", 1)[0] == 0

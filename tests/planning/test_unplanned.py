@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 
 from meso_robust.errors import NotApplicableError
-from meso_robust.planning.compose import compose
+from meso_robust.planning.compose import compose, robust_at
 from meso_robust.task import Task, parse_task
 from tests.nightly import at_night
 
@@ -62,14 +62,45 @@ def asked(values: dict[str, Any], **changes: dict[str, Any]) -> Task:
 def test_what_is_said_to_give_a_plan_gives_one(
     values: dict[str, Any], stuck: str, helps: str, change: dict[str, Any]
 ) -> None:
-    with pytest.raises(NotApplicableError, match=f"{stuck}.*one was found with .*{helps}"):
+    with pytest.raises(
+        NotApplicableError,
+        match=f"{stuck}.*with uncertainties as small, one was found with .*{helps}",
+    ):
         compose(asked(values), 30.0)
-    assert compose(asked(values, **change), 30.0).rules
+    assert robust_at(asked(values, **change), 0.03) is not None
 
 
 def test_nobody_waits_for_what_nobody_asked() -> None:
-    with pytest.raises(NotApplicableError, match=r"until the other one touches$"):
+    with pytest.raises(NotApplicableError, match=r"further from the goal, or widen the goal$"):
         compose(asked(SHORT))
+
+
+def test_what_is_in_the_way_is_told_of_the_stated_probes() -> None:
+    """With a probe on the side that cannot straighten it the part is not straightened."""
+    aside = asked(
+        SHORT,
+        start={"x_um": 0.0, "y_um": 4000.0},
+        probe={"headings": ["-y"]},
+        uncertainty={"friction": [0.07, 0.09]},
+    )
+    with pytest.raises(NotApplicableError, match="no push straightens"):
+        compose(aside, 30.0)
+
+
+def test_a_cap_on_forces_is_one_of_the_things_that_may_be_in_the_way() -> None:
+    """Where without it a plan is found for smaller uncertainties only, no cap is high enough."""
+    capped = asked(
+        {**SHORT, "film": {"drag_un_s_per_um": 1.0}},
+        probe={"max_force_un": 0.5},
+        uncertainty={
+            "friction": [0.09, 0.11],
+            "sensed_orientation_deg": 4.0,
+            "sensed_position_um": 60.0,
+            "probe_position_um": 40.0,
+        },
+    )
+    with pytest.raises(NotApplicableError, match="one was found with no cap on forces"):
+        compose(capped, 30.0)
 
 
 @at_night

@@ -423,6 +423,8 @@ def test_friction_of_a_tip_is_that_of_its_tip_only() -> None:
         own = end({"friction_spread": {"change": -0.5, "tip": tip}}, 0.2, 0.2)
         close(own, end({}, *mu), 1e-14)
         assert not np.allclose(own, end({}, 0.2, 0.2), rtol=0.0, atol=1e-8)
+    absent = end({"friction_spread": {"change": -0.5, "tip": 2.0}}, 0.2, 0.2)
+    close(absent, end({}, 0.2, 0.2), 1e-14)
 
 
 # --- inertia ------------------------------------------------------------------------------------------
@@ -451,6 +453,24 @@ def test_the_mass_of_a_part_is_spread_evenly() -> None:
     close(got.poses, want.poses, 1e-10)
     with pytest.raises(ValueError, match=r"effects\.inertia.*Dynamic"):
         lifted(values, motion=model)
+
+
+def test_the_mass_is_about_the_middle_of_the_part_wherever_its_reference_point_is() -> None:
+    """One part, one push, and two points that its outline and its film are described about."""
+    off, values = np.array([80.0, 50.0]) * UM, {"inertia": {"time_ms": 200.0}}
+    around = np.column_stack([np.eye(2), [-off[1], off[0]]])  # velocity of the middle
+    drag = around.T @ around + np.diag([0.0, 0.0, RHO])
+    middle = lifted(values, time_step=1e-3)
+    shifted = replace(
+        middle,
+        vertices=rectangle() + off,
+        poses=np.array([[-off[0], -off[1], 0.0]]),
+        support=Film(drag),
+    )
+    x, y, theta = simulate(shifted).poses[0]
+    turn = np.array([[np.cos(theta), -np.sin(theta)], [np.sin(theta), np.cos(theta)]])
+    got = np.append([x, y] + turn @ off, theta)
+    close(got, simulate(middle).poses[0], 2e-8)
 
 
 # --- actuation ----------------------------------------------------------------------------------------

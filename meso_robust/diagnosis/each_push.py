@@ -1,0 +1,159 @@
+"""Friction of its own in every push: what no other push tells, and the push itself does.
+
+Where the friction of the tips differs from push to push no recording predicts another one. But if it keeps
+through a push, the first part of the push tells it for the rest. So each push has its friction fitted to its first part
+alone, and is judged by the rest, against the prediction of the plain model by the other recordings.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from meso_robust.diagnosis.folds import Bench, RollOut
+from meso_robust.diagnosis.judge import INTERVAL, Explained, resampled
+from meso_robust.identification.forward import predicted
+from meso_robust.simulator import Outcome
+from meso_robust.types import Flags, Floats, Ints
+
+KEY = "mu"
+"""The friction of the tips, in every plain model."""
+_TRIED = np.geomspace(1.0 / 3.0, 3.0, 41)  # of the friction that all recordings have
+_FIRST = 0.5  # of the frames after rest, that tell a push's friction
+_TELLS = 25.0  # fall of squares over the noise, from one friction to another, of a push that tells its own
+_WORST = 1e12  # sum of squares of a push that a friction does not carry out
+_FEWEST = 5  # pushes that tell theirs
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class EachPush:
+    """Friction of each push.
+
+    Attributes
+    ----------
+    spread
+        Standard deviation over mean of the friction, with the ends of its interval by bootstrap over pushes.
+    least, most
+        Of the friction coefficients.
+    pushes
+        How many tell theirs.
+    explained
+        Share of the explainable error of the last parts of all pushes.
+    """
+
+    spread: tuple[float, float, float]
+    least: float
+    most: float
+    pushes: int
+    explained: Explained
+
+
+def each_push(bench: Bench, plain: RollOut, floor: float, seed: int) -> EachPush | None:
+    """What friction of its own in every push explains.
+
+    Parameters
+    ----------
+    bench
+        R recordings.
+    plain
+        Their roll-outs with the plain model.
+    floor
+        Mean square over the noise that free hidden inputs leave.
+    seed
+        Of the intervals.
+
+    Returns
+    -------
+    EachPush or None
+        None where too few pushes tell theirs, or it explains nothing.
+    """
+    model = plain.model
+    column = [one.key for one in model.parameters].index(KEY)
+    least, most = model.parameters[column].low, model.parameters[column].high
+    of = np.unique(np.clip(plain.values[column] * _TRIED, least, most))
+    values = np.repeat(plain.values[None], len(of), axis=0)
+    values[:, column] = of
+    found = predicted(bench.prepared, model, values)
+    away = (bench.prepared.seen - found.poses) / (
+        bench.baseline.noise.sigma * bench.baseline.noise.floor
+    )
+    away -= _at_rest(away, bench.still)
+    squares = np.nansum(away**2, axis=3)
+    squares[found.outcomes != Outcome.COMPLETED] = np.inf
+    first, last = _parts(bench)
+    told, rest = (np.sum(np.where(part, squares, 0.0), axis=2) for part in (first, last))
+    best = _nearest(told, np.abs(np.log(of / plain.values[column])))
+    rows = np.arange(len(best))
+    before = np.sum(np.where(last[..., None], plain.squares, 0.0), axis=(1, 2))
+    noise = floor * np.sum(last[..., None] & bench.seen, axis=(1, 2))
+    telling = np.max(np.minimum(told, _WORST), axis=0) - told[best, rows] > _TELLS
+    if not np.all(np.isfinite(rest[best, rows])):
+        return None
+    # of a push that does not tell its own friction the plain model's prediction stands
+    after = np.where(telling, rest[best, rows], before)
+    share = _share(before, after, noise, seed, len(rows))
+    # one in which the tip sticks tells a bound of its friction, no number
+    own = of[best[_rise(told, best) & _rise(told[::-1], len(of) - 1 - best)]]
+    if share is None or len(own) < _FEWEST:
+        return None
+    return EachPush(
+        spread=_spread(own, seed),
+        least=float(own.min()),
+        most=float(own.max()),
+        pushes=len(own),
+        explained=share,
+    )
+
+
+def _rise(told: Floats, best: Ints) -> Flags:
+    """(R,) whether some friction below the best of those that tell a push (P, R) is clearly worse."""
+    below = np.arange(len(told))[:, None] < best
+    worst = np.max(np.where(below, np.minimum(told, _WORST), 0.0), axis=0)
+    return np.asarray(worst - told[best, np.arange(len(best))] > _TELLS)
+
+
+def _nearest(told: Floats, far: Floats) -> Ints:
+    """(R,) of the frictions that tell a push alike (P, R) the nearest to that of all: a tip that sticks has many."""
+    alike = told <= told.min(axis=0) + 1.0
+    return np.asarray(np.argmin(np.where(alike, far[:, None], np.inf), axis=0))
+
+
+def _at_rest(away: Floats, still: Flags) -> Floats:
+    """(P, R, 1, 3) mean of errors (P, R, T, 3) in frames at rest: a prediction starts where the part was seen."""
+    kept = np.where(still[None, ..., None], away, np.nan)
+    return np.asarray(np.nanmean(kept, axis=2, keepdims=True))
+
+
+def _parts(bench: Bench) -> tuple[Flags, Flags]:
+    """(R, T) frames of the first part after rest, and of the rest."""
+    seen = np.any(bench.seen, axis=2)
+    after = seen & ~bench.still & (np.cumsum(bench.still[:, ::-1], axis=1)[:, ::-1] == 0)
+    order = np.cumsum(after, axis=1)
+    first = after & (order <= _FIRST * order[:, -1:])
+    return first, after & ~first
+
+
+def _share(before: Floats, after: Floats, noise: Floats, seed: int, count: int) -> Explained | None:
+    """Share of what is beyond the noise (R,) that is taken away; None where nothing is."""
+    whole = float(np.sum(before - noise))
+    if whole <= 0.0:
+        return None
+    drawn = resampled(len(before), seed)
+    shares = (drawn @ (before - after)) / np.maximum(drawn @ (before - noise), 1e-12)
+    tail = 0.5 * (1.0 - INTERVAL)
+    share = float(np.sum(before - after)) / whole
+    low, high = np.quantile(shares, [tail, 1.0 - tail])
+    return Explained(
+        share=share, low=min(float(low), share), high=max(float(min(high, 1.0)), share), folds=count
+    )
+
+
+def _spread(own: Floats, seed: int) -> tuple[float, float, float]:
+    weights = resampled(len(own), seed)
+    mean = weights @ own
+    drawn = np.sqrt(np.maximum(weights @ own**2 - mean**2, 0.0)) / mean
+    value = float(own.std(ddof=1) / own.mean())
+    tail = 0.5 * (1.0 - INTERVAL)
+    low, high = np.quantile(drawn, [tail, 1.0 - tail])
+    return value, min(float(low), value), max(float(high), value)

@@ -1,0 +1,65 @@
+"""Friction that differs from push to push: nothing tells it of another push, and it is told as such."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from meso_robust.diagnosis.answer import document
+from meso_robust.diagnosis.diagnose import Diagnosis, diagnose
+from meso_robust.diagnosis.document import DiagnosisDocument
+from meso_robust.diagnosis.each_push import each_push
+from meso_robust.diagnosis.folds import bench_of, rolled_out
+from meso_robust.recordings import RecordingSet
+from tests.diagnosis.conftest import baseline_of
+from tests.diagnosis.designs import MU, random_plans, recorded_plans
+from tests.identification.sets import UM
+
+OWN = (0.19, 0.41, 0.24, 0.36, 0.15, 0.45, 0.22, 0.38, 0.27, 0.33)
+
+
+def slipping(own: tuple[float, ...]) -> RecordingSet:
+    """Slanted pushes, each with a friction of its own."""
+    rng = np.random.default_rng(8)
+    plans = [
+        replace(plan, slant=0.6 * np.sign(plan.slant))
+        for plan in random_plans(rng, len(own), (75 * UM, 150 * UM))
+    ]
+    sets = [
+        recorded_plans([plan], rng, {"friction_spread": {"change": mu / MU - 1.0, "tip": 0.0}})
+        for plan, mu in zip(plans, own, strict=True)
+    ]
+    named = [replace(one.recordings[0], file=f"push_{k:02d}.csv") for k, one in enumerate(sets)]
+    return replace(sets[0], recordings=tuple(named))
+
+
+@pytest.fixture(scope="module")
+def found() -> Diagnosis:
+    return diagnose(slipping(OWN), quick=True)
+
+
+def test_it_is_told_with_its_spread_and_its_range(found: Diagnosis) -> None:
+    told = document(found, "1.2.3")
+    (effect,) = told.effects
+    (spread,) = effect.parameters.values()
+    assert (told.verdict, effect.name, effect.stage) == ("partial", "friction_spread", "contact")
+    assert spread.low <= np.std(OWN, ddof=1) / np.mean(OWN) <= spread.high
+    assert told.explained is not None
+    assert told.explained.share > 0.9
+    own = found.each_push
+    assert own is not None
+    assert own.least == pytest.approx(min(OWN), rel=0.1)
+    assert own.most == pytest.approx(max(OWN), rel=0.1)
+    assert own.pushes == 7  # in the others the tip sticks
+    assert "friction = [" in told.next_experiment.push.what
+    assert DiagnosisDocument.model_validate_json(told.model_dump_json(by_alias=True)) == told
+
+
+def test_one_friction_of_all_pushes_is_no_spread() -> None:
+    alike = slipping((0.3,) * len(OWN))
+    baseline = baseline_of(alike)
+    bench = bench_of(alike, baseline, 0)
+    own = each_push(bench, rolled_out(bench, baseline.model, baseline.fits.values[0]), 1.0, 0)
+    assert own is None or not own.explained.tells
