@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import os
+import threading
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
@@ -190,6 +191,39 @@ def spread(function: Callable[[_T], _R], items: Iterable[_T]) -> list[_R]:
     """
     with ThreadPoolExecutor(threads()) as pool:
         return list(pool.map(function, items))
+
+
+def share_out(call: Callable[[_T], None], pieces: Iterable[_T], workers: int) -> None:
+    """Do pieces of a batch by several threads, of which this one is one.
+
+    A pool takes as long to start as a small batch to finish.
+
+    Parameters
+    ----------
+    call
+        Does a piece, in compiled code that lets others run.
+    pieces
+        Any number.
+    workers
+        Threads, at least one.
+    """
+    left, failed = iter(list(pieces)), list[BaseException]()
+
+    def work() -> None:
+        try:
+            for piece in left:  # each is handed to one thread only
+                call(piece)
+        except BaseException as error:
+            failed.append(error)
+
+    others = [threading.Thread(target=work) for _ in range(workers - 1)]
+    for other in others:
+        other.start()
+    work()
+    for other in others:
+        other.join()
+    if failed:
+        raise failed[0]
 
 
 @contextmanager

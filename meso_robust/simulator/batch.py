@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import fields
 from functools import lru_cache
 from typing import TypeAlias, cast
@@ -12,7 +11,7 @@ from typing import TypeAlias, cast
 import numpy as np
 from numba import njit
 
-from meso_robust.kernels import fingerprint, threads
+from meso_robust.kernels import fingerprint, share_out, threads
 from meso_robust.simulator.arrange import Inputs, Outputs, case_of, inputs_of, outputs_of
 from meso_robust.simulator.case import new_state
 from meso_robust.simulator.geometry import tracked_of_reference
@@ -161,10 +160,5 @@ def _in_pieces(inputs: Inputs, outputs: Outputs, runs: int, workers: int) -> Non
         run_range(inputs, 0, runs, outputs)
         return
     ends = np.unique(np.linspace(0, runs, _CHUNKS * workers + 1).astype(int))
-    with ThreadPoolExecutor(workers) as pool:
-        pieces = [
-            pool.submit(run_range, inputs, int(a), int(b), outputs)
-            for a, b in itertools.pairwise(ends)
-        ]
-        for piece in pieces:
-            piece.result()
+    pieces = itertools.pairwise(ends.tolist())
+    share_out(lambda piece: run_range(inputs, *piece, outputs), pieces, workers)

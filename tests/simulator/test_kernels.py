@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from numba import typeof
 
+from meso_robust.kernels import share_out
 from meso_robust.simulator import Push, batch, exact, simulate
 from meso_robust.simulator.events import engine
 from meso_robust.types import Floats
@@ -46,3 +47,18 @@ def test_parts_and_friction_of_each_run_need_no_other_kernel(
         simulate(one)
 
     assert [len(found) for found in types.values()] == [1, 1]
+
+
+def test_pieces_are_shared_out_and_each_is_done_once() -> None:
+    done: list[int] = []
+    share_out(done.append, range(50), 3)
+    assert sorted(done) == list(range(50))
+
+
+def test_what_goes_wrong_in_a_piece_is_raised() -> None:
+    def call(piece: int) -> None:
+        if piece == 7:
+            raise ValueError("piece 7")
+
+    with pytest.raises(ValueError, match="piece 7"):
+        share_out(call, range(9), 3)

@@ -91,7 +91,7 @@ def same_bits(a: Floats, b: Floats) -> bool:
 def test_the_stage_declares_its_effects_in_its_block_of_the_table() -> None:
     assert {effect.name for effect in OBSERVATION.effects} == set(SLOT_OF)
     slots = sorted(slot for group in SLOT_OF.values() for slot in group)
-    assert slots == list(range(80, 99))
+    assert slots == list(range(OBSERVATION.base, OBSERVATION.base + 19))
     table = Effects(ON).table[0]
     expected = [0.06, 0.007, 250e-6, -400e-6, math.radians(1.3), -600e-6, 150e-6]
     expected += [0.4e-6, -0.2e-6, 1.0, 0.0, 1e4, 0.0]

@@ -1,7 +1,6 @@
 """Entry point of the event-driven integrator: batches of runs, and the phases of one run."""
 
 from collections.abc import Callable, Mapping, Sequence
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import NamedTuple, TypeAlias, cast
@@ -10,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 from numba import njit
 
-from meso_robust.kernels import FUSED, fingerprint, threads
+from meso_robust.kernels import FUSED, fingerprint, share_out, threads
 from meso_robust.simulator.events.balance import invert
 from meso_robust.simulator.events.checks import check_move
 from meso_robust.simulator.events.fused import sealed
@@ -384,5 +383,4 @@ def _take(inputs: Inputs, outputs: Outputs) -> None:
         take(inputs, outputs, 0, runs)
         return
     cuts = [runs * k // count for k in range(count + 1)]
-    with ThreadPoolExecutor(count) as pool:
-        list(pool.map(lambda span: take(inputs, outputs, *span), pairwise(cuts)))
+    share_out(lambda span: take(inputs, outputs, *span), pairwise(cuts), count)
