@@ -212,7 +212,9 @@ LAST = Trial(
     cases=listed(100, 20261201),
     made=sealed,
     follows=("generate.py", "laws.py", "cases.py"),
-    blocks=((0, 100, "friction of one tip, inertia, and a film that thins above a speed are known"),),
+    blocks=(
+        (0, 100, "friction of one tip, inertia, and a film that thins above a speed are known"),
+    ),
     forms=("quick",),
 )
 TRIALS = {"films": FILMS, "short": SHORT, "late": LATE, "whole": WHOLE, "last": LAST}
