@@ -102,6 +102,10 @@ class MismatchSection(_Section):
     """Spans in which the plain model fails."""
 
 
+EACH_PUSH = "every push has its own: told is the standard deviation"
+"""Form of an effect whose size no recording tells of another one."""
+
+
 class EffectSection(_Section):
     """An effect of the extended model."""
 
@@ -473,3 +477,13 @@ class DiagnosisDocument(_Section):
     """What to record next."""
     provenance: ProvenanceSection
     """What the diagnosis was made from."""
+
+    @property
+    def of_each_push(self) -> bool:
+        """Whether the answer is an effect that every push has its own of."""
+        return any(effect.form == EACH_PUSH for effect in self.effects)
+
+    @property
+    def extends(self) -> bool:
+        """Whether there is an extended model, which predicts other recordings."""
+        return bool(self.effects) and not self.of_each_push

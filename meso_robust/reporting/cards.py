@@ -239,7 +239,7 @@ def diagnosed_card(document: DiagnosisDocument, evidence: Evidence, text: str) -
     figures = [("p-value of the plain model", significant(mismatch.p_value, 2))]
     if held.recordings:
         before, after = (significant(x, 3) for x in (held.baseline_sigma, held.extended_sigma))
-        value = f"{before} → {after} σ" if document.effects else f"{before} σ"
+        value = f"{before} → {after} σ" if document.extends else f"{before} σ"
         figures.append(("error on held-out recordings", value))
 
     def drawn() -> Figure:
@@ -248,7 +248,7 @@ def diagnosed_card(document: DiagnosisDocument, evidence: Evidence, text: str) -
                 return held_out_figure(
                     worst,
                     (held.noise_floor_sigma, held.repeatability_sigma),
-                    bool(document.effects),
+                    document.extends,
                 )
             return map_figure(evidence, list(range(len(evidence.files)))[:MOST_ROWS])
 

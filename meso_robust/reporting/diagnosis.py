@@ -78,7 +78,7 @@ def diagnosis_report(
     """
     with style():
         pictures = _pictures(document, evidence)
-    origin, extended = document.provenance, bool(document.effects)
+    origin, extended = document.provenance, document.extends
     body = pages.prose(
         "diagnosis.html.j2",
         document=document,
@@ -188,7 +188,7 @@ def _figures(document: DiagnosisDocument) -> list[tuple[str, str]]:
     rows = [(likely, f"p = {probability(mismatch.p_value)}")]
 
     def errors(name: str, before: float, after: float, unit: str) -> None:
-        change = f" → {significant(after, 3)}" if document.effects else ""
+        change = f" → {significant(after, 3)}" if document.extends else ""
         rows.append((name, f"{significant(before, 3)}{change} {unit}"))
 
     if held.recordings:
@@ -255,7 +255,7 @@ def _pictures(
             + stage_words(document),
         )
     if held:
-        drawing = held_out_figure(held, noise, bool(document.effects))
+        drawing = held_out_figure(held, noise, document.extends)
         pictures["held_out"] = pages.Figure(svg=to_svg(drawing, "held", "Held-out errors"))
     if spans:
         drawing = strip_figure(spans, evidence, _marked(document, evidence))

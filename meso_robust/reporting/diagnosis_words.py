@@ -131,6 +131,8 @@ def left_words(document: DiagnosisDocument) -> str:
     where = ""
     if left.component and left.phase:
         where = f", most of it {COMPONENTS[left.component]} with {PHASES[left.phase]}"
+    if document.of_each_push:
+        return f"{size} are left of a push whose friction is unknown{where}"
     return f"{size} are left unexplained{where}"
 
 
@@ -234,7 +236,7 @@ def held_out_words(document: DiagnosisDocument) -> str:
     if not held.recordings:
         return "no recording was held out"
     before, after = (significant(v, 3) for v in (held.baseline_sigma, held.extended_sigma))
-    return f"held-out error {before if before == after else f'{before} → {after}'} σ"
+    return f"held-out error {f'{before} → {after}' if document.extends else before} σ"
 
 
 def sets(document: DiagnosisDocument) -> list[str]:
@@ -306,7 +308,7 @@ def noise_words(held: HeldOutSection) -> str:
 def _held_out_lines(document: DiagnosisDocument) -> list[str]:
     held = document.held_out
     lines = [f"  {held_out_words(document)} ({noise_words(held)})"]
-    if document.effects and held.recordings and held.baseline_sigma != held.extended_sigma:
+    if document.extends and held.recordings:
         low, high = down(100.0 * held.improvement_low, 0), up(100.0 * held.improvement_high, 0)
         lines[0] += (
             f", {held.baseline_um:.2f} → {held.extended_um:.2f} µm, falls by {signed(low)}–{signed(high)} %"
