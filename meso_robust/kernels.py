@@ -206,6 +206,11 @@ def share_out(call: Callable[[_T], None], pieces: Iterable[_T], workers: int) ->
         Any number.
     workers
         Threads, at least one.
+
+    Raises
+    ------
+    BaseException
+        What the first call that failed has raised.
     """
     left, failed = iter(list(pieces)), list[BaseException]()
 

@@ -38,7 +38,7 @@ def test_a_toy_effect_is_added_by_the_steps_of_the_guide(tmp_path: Path) -> None
     followed(tmp_path)
     found = json.loads(run(_LOOK, tmp_path))
     assert found["file"].startswith(str(tmp_path))
-    assert found["effects"] == 33
+    assert found["effects"] == 35
     assert found["stage"] == "observation"
     assert found["shown_by"] == "long pushes along x and along y"
     assert found["premise"] is False
