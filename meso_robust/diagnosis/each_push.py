@@ -17,8 +17,8 @@ from meso_robust.identification.forward import predicted
 from meso_robust.simulator import Outcome
 from meso_robust.types import Flags, Floats, Ints
 
-KEY = "mu"
-"""The friction of the tips, in every plain model."""
+KEYS = ("mu", "mu_t")
+"""The friction of the tips in plain models."""
 _TRIED = np.geomspace(1.0 / 3.0, 3.0, 41)  # of the friction that all recordings have
 _FIRST = 0.5  # of the frames after rest, that tell a push's friction
 _TELLS = 25.0  # fall of squares over the noise, from one friction to another, of a push that tells its own
@@ -69,20 +69,20 @@ def each_push(bench: Bench, plain: RollOut, floor: float, seed: int) -> EachPush
         None where too few pushes tell theirs, or it explains nothing.
     """
     model = plain.model
-    column = [one.key for one in model.parameters].index(KEY)
-    least, most = model.parameters[column].low, model.parameters[column].high
-    of = np.unique(np.clip(plain.values[column] * _TRIED, least, most))
-    values = np.repeat(plain.values[None], len(of), axis=0)
-    values[:, column] = of
-    found = predicted(bench.prepared, model, values)
-    away = (bench.prepared.seen - found.poses) / (
-        bench.baseline.noise.sigma * bench.baseline.noise.floor
-    )
-    away -= _at_rest(away, bench.still)
-    squares = np.nansum(away**2, axis=3)
-    squares[found.outcomes != Outcome.COMPLETED] = np.inf
+    column = next((k for k, one in enumerate(model.parameters) if one.key in KEYS), None)
+    if column is None or plain.values[column] <= 0.0:
+        return None
+    ends = model.parameters[column].low, model.parameters[column].high
+    of = np.unique(np.clip(plain.values[column] * _TRIED, *ends))
+    of = of[of > 0.0]
     first, last = _parts(bench)
-    told, rest = (np.sum(np.where(part, squares, 0.0), axis=2) for part in (first, last))
+    told, rest = np.empty((2, len(of), len(first)))
+    for row, mu in enumerate(of):
+        values = np.where(np.arange(len(plain.values)) == column, mu, plain.values)
+        squares = _squares(bench, plain, values)
+        told[row], rest[row] = (
+            np.sum(np.where(part, squares, 0.0), axis=1) for part in (first, last)
+        )
     best = _nearest(told, np.abs(np.log(of / plain.values[column])))
     rows = np.arange(len(best))
     before = np.sum(np.where(last[..., None], plain.squares, 0.0), axis=(1, 2))
@@ -119,10 +119,17 @@ def _nearest(told: Floats, far: Floats) -> Ints:
     return np.asarray(np.argmin(np.where(alike, far[:, None], np.inf), axis=0))
 
 
-def _at_rest(away: Floats, still: Flags) -> Floats:
-    """(P, R, 1, 3) mean of errors (P, R, T, 3) in frames at rest: a prediction starts where the part was seen."""
-    kept = np.where(still[None, ..., None], away, np.nan)
-    return np.asarray(np.nanmean(kept, axis=2, keepdims=True))
+def _squares(bench: Bench, plain: RollOut, values: Floats) -> Floats:
+    """(R, T) squared errors over the noise, of predictions that start where the part was seen; infinite of failed ones."""
+    found = predicted(bench.prepared, plain.model, values[None])
+    sigma = bench.baseline.noise.sigma * bench.baseline.noise.floor
+    away = (bench.prepared.seen - found.poses[0]) / sigma
+    quiet = bench.still[..., None] & np.isfinite(away)
+    away -= np.sum(np.where(quiet, away, 0.0), axis=1, keepdims=True) / np.maximum(
+        quiet.sum(axis=1, keepdims=True), 1
+    )
+    ran = found.outcomes[0] == Outcome.COMPLETED
+    return np.where(ran[:, None], np.nansum(away**2, axis=2), np.inf)
 
 
 def _parts(bench: Bench) -> tuple[Flags, Flags]:

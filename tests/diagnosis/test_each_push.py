@@ -72,3 +72,13 @@ def test_every_push_tells_its_own_where_its_tip_slips() -> None:
 def test_one_friction_of_all_pushes_is_no_spread() -> None:
     own = own_of(slipping((0.3,) * len(OWN)))
     assert own is None or not own.explained.tells
+
+
+def test_of_tips_without_friction_nothing_is_told() -> None:
+    some = slipping(OWN[:3])
+    baseline = baseline_of(some)
+    bench = bench_of(some, baseline, 0)
+    plain = rolled_out(bench, baseline.model, baseline.fits.values[0])
+    smooth = replace(plain, values=plain.values * [1.0, 0.0])
+    assert each_push(bench, smooth, 1.0, 0) is None
+    assert each_push(bench, plain, 1.0, 0) is None  # three pushes are too few
