@@ -145,6 +145,7 @@ def _effects(push: Push) -> Floats:
         return table
     table = table.copy()
     table[missing, SPREAD], table[missing, TIP] = 0.0, 0.0
+    table.flags.writeable = False  # as the table is: for another type the kernel is made again
     return table
 
 

@@ -11,6 +11,7 @@ from meso_robust.planning.compose import compose
 from meso_robust.task import parse_task
 from tests.checker.test_check import checked
 from tests.checker.test_walls import certificate_of
+from tests.nightly import at_night
 from tests.paper import paper_task
 
 
@@ -27,7 +28,7 @@ def test_a_plan_is_verified_however_closely_friction_and_film_are_known(
     assert checked(document, closer).verdict == "VERIFIED"
 
 
-@pytest.mark.parametrize("radius_um", [[20.0, 20.0], [20.0, 25.0]])
+@pytest.mark.parametrize("radius_um", [[20.0, 20.0], pytest.param([20.0, 25.0], marks=at_night)])
 def test_a_long_part_whose_friction_is_closely_known_is_verified(radius_um: list[float]) -> None:
     """Its rotation leaves it where the next push hardly begins to turn it."""
     values = {

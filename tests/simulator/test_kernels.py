@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from numba import typeof
 
 from meso_robust.kernels import share_out
-from meso_robust.simulator import Push, batch, exact, simulate
+from meso_robust.simulator import Effects, Push, batch, exact, simulate
 from meso_robust.simulator.events import engine
 from meso_robust.types import Floats
 
@@ -45,6 +47,8 @@ def test_parts_and_friction_of_each_run_need_no_other_kernel(
     for one in (alike, each):
         exact(one)
         simulate(one)
+    absent = Effects({"friction_spread": {"change": 0.1, "tip": 3.0}})
+    simulate(replace(alike, effects=absent))
 
     assert [len(found) for found in types.values()] == [1, 1]
 
