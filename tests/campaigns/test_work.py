@@ -86,6 +86,7 @@ def test_a_poisoned_chunk_is_given_up_and_reported_and_the_rest_is_done(
     assert [ticket.chunk for ticket in missing(campaign(given={fault: [0, 7]}), store)] == [0, 7]
 
 
+@at_night
 def test_a_chunk_that_hangs_is_ended(tmp_path: Path) -> None:
     marks = tmp_path / "marks"
     marks.mkdir()

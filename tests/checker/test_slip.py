@@ -31,6 +31,7 @@ from meso_robust.planning.document import _rule as rule_document
 from meso_robust.primitives.grid import roomy
 from meso_robust.task import Task
 from tests.checker.test_turns import task
+from tests.nightly import at_night
 from tests.primitives import test_slip as promised
 
 UM = 1e-6
@@ -130,7 +131,7 @@ def claimed(only: str, factor: float) -> Callable[[ObligationDocument], Any]:
         narrowed("radius_upper", 0.2),
         narrowed("theta", 0.3),
         claimed("slip_bounded", 1e5),
-        claimed("second_tip_touches", 30.0),
+        pytest.param(claimed("second_tip_touches", 30.0), marks=at_night),
         claimed("tip_turns_part", 3.0),
     ],
 )

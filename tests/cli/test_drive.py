@@ -260,6 +260,7 @@ def test_a_policy_is_proved_again_and_driven(policy_file: Path) -> None:
         assert drive.end() == 0
 
 
+@at_night
 def test_a_policy_that_was_tampered_with_is_status_2(policy_file: Path, tmp_path: Path) -> None:
     document = json.loads(policy_file.read_text(encoding="utf-8"))
     exact = document["cells"][0]["sensed_exact"]

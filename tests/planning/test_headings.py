@@ -225,6 +225,7 @@ def test_a_straight_part_at_the_goal_is_pushed_past_it_and_brought_back() -> Non
     assert done.steps[0].post.x.hi < -50e-6  # past the goal
 
 
+@at_night
 def test_with_probes_on_four_sides_a_start_far_out_of_line_is_brought_in_line_first() -> None:
     far = task_at(0.0, 1000.0, FOUR)
     found = compose(far).rules

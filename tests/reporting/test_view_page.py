@@ -15,6 +15,7 @@ from meso_robust.reporting.plan import report
 from meso_robust.reporting.slim import slim
 from meso_robust.reporting.view import data, held, view
 from tests.browser import Page
+from tests.nightly import at_night
 from tests.reporting.javascript import Script
 
 HERE = Path(__file__).parents[2] / "meso_robust" / "reporting"
@@ -136,6 +137,7 @@ def test_errors_of_one_move(page: Page, path: Path) -> None:
     assert page.evaluate(f"{shown}.textContent") == "varies"
 
 
+@at_night
 def test_random_runs_stay_inside_and_the_worst_ends_in_the_goal(page: Page, path: Path) -> None:
     """The certificate promises it of every run; the page shows what it finds."""
     page.open(path)

@@ -27,6 +27,7 @@ from reports.tracking.accuracy import (
     together,
 )
 from reports.tracking.least import AROUND, least_alike, least_along
+from tests.nightly import at_night
 
 
 @pytest.fixture(scope="session")
@@ -158,7 +159,9 @@ PUSHES = {
 }
 
 
-@pytest.mark.parametrize("why", PUSHES)
+@pytest.mark.parametrize(
+    "why", [w if k % 2 else pytest.param(w, marks=at_night) for k, w in enumerate(PUSHES)]
+)
 def test_what_is_like_a_needle_is_not_taken_for_it(why: str) -> None:
     """Films in which another needle than the true one nearly fits: 1 to 5 px off, or none found."""
     error, sigma, _ = tip_errors(np.random.default_rng(PUSHES[why]))
