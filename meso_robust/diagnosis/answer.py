@@ -14,7 +14,7 @@ from meso_robust.diagnosis.candidates import Candidate, why_not
 from meso_robust.diagnosis.controls import SAME
 from meso_robust.diagnosis.detect import ALARM
 from meso_robust.diagnosis.diagnose import Diagnosis, diagnose
-from meso_robust.diagnosis.document import EACH_PUSH, SCHEMA, DiagnosisDocument
+from meso_robust.diagnosis.document import SCHEMA, DiagnosisDocument
 from meso_robust.diagnosis.each_push import EachPush
 from meso_robust.diagnosis.folds import RollOut
 from meso_robust.diagnosis.grading import Grade
@@ -424,7 +424,7 @@ def _spread(found: Diagnosis) -> tuple[dict[str, object], ...]:
             "stage": stage_of(SPREAD).name,
             "equation": "μ of one push = μ (1 + c)",
             "share": None,
-            "form": EACH_PUSH,
+            "each_push": True,
         },
     )
 

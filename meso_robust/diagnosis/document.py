@@ -102,10 +102,6 @@ class MismatchSection(_Section):
     """Spans in which the plain model fails."""
 
 
-EACH_PUSH = "every push has its own: told is the standard deviation"
-"""Form of an effect whose size no recording tells of another one."""
-
-
 class EffectSection(_Section):
     """An effect of the extended model."""
 
@@ -123,6 +119,8 @@ class EffectSection(_Section):
     """Share of the explainable error that it explains, out of fold; null in the first version."""
     form: str = ""
     """Form of its law: what was held, such as the edge of a friction; empty if it has one form only."""
+    each_push: bool = False
+    """Whether every push has its own, which no recording tells of another one: its size is the standard deviation."""
 
 
 class ExplainedSection(_Section):
@@ -481,7 +479,7 @@ class DiagnosisDocument(_Section):
     @property
     def of_each_push(self) -> bool:
         """Whether the answer is an effect that every push has its own of."""
-        return any(effect.form == EACH_PUSH for effect in self.effects)
+        return any(effect.each_push for effect in self.effects)
 
     @property
     def extends(self) -> bool:

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from meso_robust.diagnosis.folds import Bench, RollOut
-from meso_robust.diagnosis.judge import INTERVAL, Explained, resampled
+from meso_robust.diagnosis.judge import INTERVAL, Explained, explained, resampled
 from meso_robust.identification.forward import predicted
 from meso_robust.simulator import Outcome
 from meso_robust.types import Flags, Floats, Ints
@@ -92,17 +92,18 @@ def each_push(bench: Bench, plain: RollOut, floor: float, seed: int) -> EachPush
         return None
     # of a push that does not tell its own friction the plain model's prediction stands
     after = np.where(telling, rest[best, rows], before)
-    share = _share(before, after, noise, seed, len(rows))
+    whole = before - noise
     # one in which the tip sticks tells a bound of its friction, no number
     own = of[best[_rise(told, best) & _rise(told[::-1], len(of) - 1 - best)]]
-    if share is None or len(own) < _FEWEST:
+    if whole.sum() <= 0.0 or len(own) < _FEWEST:
         return None
+    share = float(np.sum(before - after) / whole.sum())
     return EachPush(
         spread=_spread(own, seed),
         least=float(own.min()),
         most=float(own.max()),
         pushes=len(own),
-        explained=share,
+        explained=explained(before - after, whole, share, len(rows), seed),
     )
 
 
@@ -139,21 +140,6 @@ def _parts(bench: Bench) -> tuple[Flags, Flags]:
     order = np.cumsum(after, axis=1)
     first = after & (order <= _FIRST * order[:, -1:])
     return first, after & ~first
-
-
-def _share(before: Floats, after: Floats, noise: Floats, seed: int, count: int) -> Explained | None:
-    """Share of what is beyond the noise (R,) that is taken away; None where nothing is."""
-    whole = float(np.sum(before - noise))
-    if whole <= 0.0:
-        return None
-    drawn = resampled(len(before), seed)
-    shares = (drawn @ (before - after)) / np.maximum(drawn @ (before - noise), 1e-12)
-    tail = 0.5 * (1.0 - INTERVAL)
-    share = float(np.sum(before - after)) / whole
-    low, high = np.quantile(shares, [tail, 1.0 - tail])
-    return Explained(
-        share=share, low=min(float(low), share), high=max(float(min(high, 1.0)), share), folds=count
-    )
 
 
 def _spread(own: Floats, seed: int) -> tuple[float, float, float]:

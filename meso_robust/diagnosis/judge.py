@@ -94,17 +94,7 @@ class Judge:
     def explained(self, names: Names, seed: int) -> Explained:
         """Share of a set, with its interval by resampling recordings."""
         fall, whole = self.sums(()) - self.sums(names), self.sums(()) - self.floor
-        drawn = resampled(len(fall), seed)
-        shares = (drawn @ fall) / np.maximum(drawn @ whole, 1e-12)
-        tail = 0.5 * (1.0 - INTERVAL)
-        low, high = np.quantile(shares, [tail, 1.0 - tail])
-        share = self.share(names)
-        return Explained(
-            share=share,
-            low=min(float(low), share),
-            high=max(float(min(high, 1.0)), share),
-            folds=self.bench.count,
-        )
+        return explained(fall, whole, self.share(names), self.bench.count, seed)
 
     def left(self, names: Names) -> tuple[float, float]:
         """Root mean squares in m and rad of what a set leaves beyond the floor."""
@@ -206,6 +196,34 @@ def _floor(bench: Bench, predicted: Mapping[Names, RollOut], reach: float | None
     # noise is; but a set that is down to the noise is not held to be above it
     floor = noise if least > _DOWN_TO * float(noise.sum()) else floor
     return np.asarray(floor * min(1.0, _BELOW * least / float(floor.sum())))
+
+
+def explained(fall: Floats, whole: Floats, share: float, folds: int, seed: int) -> Explained:
+    """A share with its interval, by resampling recordings.
+
+    Parameters
+    ----------
+    fall, whole
+        (R,) sums of squares that are explained, and that could be.
+    share
+        Of all recordings together.
+    folds
+        Parts that each recording was predicted in one of.
+    seed
+        Of the draws.
+
+    Returns
+    -------
+    Explained
+        Its ends hold the share.
+    """
+    drawn = resampled(len(fall), seed)
+    shares = (drawn @ fall) / np.maximum(drawn @ whole, 1e-12)
+    tail = 0.5 * (1.0 - INTERVAL)
+    low, high = np.quantile(shares, [tail, 1.0 - tail])
+    return Explained(
+        share=share, low=min(float(low), share), high=max(float(min(high, 1.0)), share), folds=folds
+    )
 
 
 def resampled(count: int, seed: int) -> Floats:

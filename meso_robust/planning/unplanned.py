@@ -38,7 +38,18 @@ class Stuck(Enum):
     ARRIVING = "the pushes that must follow do not end in the goal"
 
 
-Change = tuple[str, str, Task]
+class What(Enum):
+    """What a laboratory could change, in words."""
+
+    SIDES = "the probes' sides"
+    CAP = "the cap on forces"
+    FRICTION = "friction"
+    TIPS = "the tips"
+    START = "the start"
+    GOAL = "the goal's tolerance"
+
+
+Change = tuple[What, str, Task]
 """What is changed, how far it is, in words, and the task with it."""
 
 
@@ -80,7 +91,7 @@ def settling(task: Task, stuck: Stuck, planned: Callable[[Task], bool]) -> str:
     planned
         Whether a plan is found for a task with uncertainties as small as they are tried.
     """
-    tried: dict[str, None] = {}
+    tried: dict[What, None] = {}
     helps: list[str] = []
     ended = "no change"
     try:
@@ -98,17 +109,17 @@ def settling(task: Task, stuck: Stuck, planned: Callable[[Task], bool]) -> str:
         return f"with uncertainties as small{slot}, one was found with {' or with '.join(helps)}"
     if not tried:
         return "there was no time to try what would give one"
-    return f"{ended} of {', '.join(tried)} that was tried gives one by itself"
+    return f"{ended} of {', '.join(one.value for one in tried)} that was tried gives one by itself"
 
 
 def _changes(task: Task, stuck: Stuck) -> Iterator[Change]:
     """What a laboratory could change, the likeliest first."""
     if task.probe.headings is not None and len(task.probe.headings) < len(HEADINGS):
         probe = task.probe.model_copy(update={"headings": None})
-        yield "the probes' sides", "probes on all sides", task.model_copy(update={"probe": probe})
+        yield What.SIDES, "probes on all sides", task.model_copy(update={"probe": probe})
     if task.probe.max_force_un is not None:
         probe = task.probe.model_copy(update={"max_force_un": None})
-        yield "the cap on forces", "no cap on forces", task.model_copy(update={"probe": probe})
+        yield What.CAP, "no cap on forces", task.model_copy(update={"probe": probe})
     middle = 0.5 * sum(task.uncertainty.friction)
     if stuck is Stuck.STRAIGHTENING:
         yield from _friction(task, [mu for mu in MORE if mu > 1.5 * middle][:2])
@@ -129,7 +140,7 @@ def _friction(task: Task, frictions: Sequence[float]) -> Iterator[Change]:
         ends = (1.0 - NEAR) * mu, (1.0 + NEAR) * mu
         of = task.uncertainty.model_copy(update={"friction": ends})
         words = f"friction of {mu:.2g} (+- {100 * NEAR:g} %) at the tips"
-        yield "friction", words, task.model_copy(update={"uncertainty": of})
+        yield What.FRICTION, words, task.model_copy(update={"uncertainty": of})
 
 
 def _thin(task: Task) -> Iterator[Change]:
@@ -137,7 +148,7 @@ def _thin(task: Task) -> Iterator[Change]:
         return
     thin = (THIN_UM, THIN_UM)
     probe = task.probe.model_copy(update={"tip_radius_um": thin, "passive_tip_radius_um": thin})
-    yield "the tips", f"tips of {THIN_UM:g} um", task.model_copy(update={"probe": probe})
+    yield What.TIPS, f"tips of {THIN_UM:g} um", task.model_copy(update={"probe": probe})
 
 
 def _start(task: Task, lengths: Sequence[float]) -> Iterator[Change]:
@@ -151,7 +162,7 @@ def _start(task: Task, lengths: Sequence[float]) -> Iterator[Change]:
         x, y = start.x_um + more * ahead, start.y_um + more * aside
         moved = start.model_copy(update={"x_um": x, "y_um": y})
         yield (
-            "the start",
+            What.START,
             f"a start {more * far:.0f} um further from the goal",
             task.model_copy(update={"start": moved}),
         )
@@ -170,7 +181,7 @@ def _goal(task: Task, factors: Sequence[float]) -> Iterator[Change]:
             wide = min(factor * getattr(task.goal, key), most)
             goal = task.goal.model_copy(update={key: wide})
             yield (
-                "the goal's tolerance",
+                What.GOAL,
                 f"a goal of +- {wide:g} {unit}",
                 task.model_copy(update={"goal": goal}),
             )
