@@ -13,11 +13,13 @@ export PYTHONDONTWRITEBYTECODE :=
 demo: $(INSTALLED)
 	$(BIN)/meso-robust plan --out reports/demo
 
+# A worker that dies (a test that waits for ever, a crash) ends the run by that test's name: xdist would
+# start another, and with whole files for workers then waits for ever itself.
 test: compiled
-	$(BIN)/python -m pytest -q -n auto --dist loadfile --no-loadscope-reorder --fast
+	$(BIN)/python -m pytest -q -n auto --dist loadfile --no-loadscope-reorder --max-worker-restart=0 --fast
 
 test-all: compiled
-	$(BIN)/python -m pytest -q -n auto --dist loadfile --no-loadscope-reorder
+	$(BIN)/python -m pytest -q -n auto --dist loadfile --no-loadscope-reorder --max-worker-restart=0
 
 # Kernels are compiled once, before several workers would each compile them: that of events by one process,
 # those that `plan` and `track` call by another (and `simulator.ahead`).
@@ -97,7 +99,7 @@ campaign: $(INSTALLED)
 
 # What takes too long for every change.
 nightly: $(INSTALLED)
-	MESO_NIGHTLY=1 $(BIN)/python -m pytest -q -n auto --dist loadfile --no-loadscope-reorder
+	MESO_NIGHTLY=1 $(BIN)/python -m pytest -q -n auto --dist loadfile --no-loadscope-reorder --max-worker-restart=0
 
 # Wheel and sdist, each in a clean environment of its own: plan, certificate, check.
 package: $(INSTALLED)

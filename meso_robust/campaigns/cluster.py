@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import time
 from collections.abc import Callable
 from concurrent.futures import CancelledError, Future
@@ -46,6 +47,9 @@ class Cluster:
     def _connect(self, patience: float) -> None:
         until = time.monotonic() + patience
         while True:
+            # A client that failed closes itself when it is collected; were that while another starts,
+            # both would wait for one lock of Dask's for ever.
+            gc.collect()
             try:
                 self._client = self._dask.Client(
                     self._address, timeout=CONNECT, set_as_default=False, name="meso-robust"

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import gc
 import time
+import weakref
 from pathlib import Path
 
 import pytest
@@ -83,6 +85,31 @@ def test_an_address_without_a_scheduler_is_refused(monkeypatch: pytest.MonkeyPat
         Cluster(f"tcp://127.0.0.1:{free_port()}")
     with pytest.raises(InputError, match="cannot be reached"):
         Cluster("no address")
+
+
+def test_a_client_that_failed_is_gone_before_the_next_starts(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    failed: list[weakref.ref[object]] = []
+
+    class Client:
+        def __init__(self, *_: object, **__: object) -> None:
+            assert all(client() is None for client in failed)
+            if not failed:
+                self.itself = self  # so that only the collector finds it
+                failed.append(weakref.ref(self))
+                raise OSError("nobody there")
+
+        def get_executor(self, **_: object) -> None:
+            """None is needed."""
+
+    monkeypatch.setattr("distributed.Client", Client)
+    gc.disable()
+    try:
+        Cluster("tcp://127.0.0.1:1")
+    finally:
+        gc.enable()
+    assert failed
 
 
 def test_a_scheduler_without_workers_is_told(
