@@ -203,6 +203,11 @@ def _rows(scored: Sequence[Scored]) -> list[tuple[str, str, str]]:
         ),
         ("pairs, both ≥ 4×: both told", "≥ 75 %", rate([o.right for o in pairs])),
         (
+            "the same, or other laws of the same physics",
+            "",
+            rate([o.right_physics for o in pairs]),
+        ),
+        (
             "pairs, both ≥ 4×: at least one told",
             "",
             rate([any(o.has(name) for name in o.case.families) for o in pairs]),
