@@ -157,7 +157,10 @@ def standing_words(document: DiagnosisDocument, effect: EffectSection) -> str:
     """How sure an effect is; of a set that is not enough, nothing is claimed."""
     if document.verdict == "unknown":
         return "not enough alone"
-    return f"probability {probability(effect.probability)}"
+    likely, held = f"probability {probability(effect.probability)}", document.held_out
+    if held.recordings and held.improvement_low <= 0.0:
+        return f"{likely} where it was fitted, left open by what was held out"
+    return likely
 
 
 def effect_words(effect: EffectSection) -> str:
