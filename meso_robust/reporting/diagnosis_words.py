@@ -158,7 +158,7 @@ def standing_words(document: DiagnosisDocument, effect: EffectSection) -> str:
     if document.verdict == "unknown":
         return "not enough alone"
     likely, held = f"probability {probability(effect.probability)}", document.held_out
-    if held.recordings and held.improvement_low <= 0.0:
+    if document.extends and held.recordings and held.improvement_low <= 0.0:
         return f"{likely} where it was fitted, left open by what was held out"
     return likely
 
