@@ -75,6 +75,8 @@ MOST_PARTS = 8
 """Into which a piece is cut at a time."""
 FINER, TRIES = 1, 36
 """How often pieces are cut, and cut or made steeper."""
+STRETCH, LONGER = 2, 2.0
+"""Pieces that are looked at together, before they are cut; by how much they may be longer than the last."""
 STEP = 2e-3
 """Of the width; a piece that would have to rise by more is cut later, too: the path comes near a slide."""
 STARTS = 5
@@ -150,6 +152,12 @@ class Curve:
         cubics = (self.ahead, *self.slopes.values())
         ends = (self.first, self.last, float(self.tip))
         return (*ends, *(value for cubic in cubics for value in cubic.coefficients))
+
+    @property
+    def end(self) -> Guess:
+        """Where it ends."""
+        slopes = {name: cubic.end for name, cubic in self.slopes.items()}
+        return Guess(self.tip, self.ahead.end, slopes)
 
     @property
     def length(self) -> arb:
@@ -409,16 +417,32 @@ class _Barrier:
         self.landed = min(_beyond(one.h[0], -1) for one in starts)
 
     def pieces(self, top: float, landed: float, near: float, bottom: float) -> list[Curve]:
-        """The whole barrier; each piece holds every start on it, the last one every end."""
+        """The whole barrier; each piece holds every start on it, the last one every end.
+
+        Stretch by stretch: what is found to be behind is moved before what comes after it is looked at.
+        """
         count = math.ceil((landed - near) / (LONG * self.flow.width))
-        inner = [landed + (near - landed) * k / count for k in range(count)]
-        knots = [top, *inner, near, bottom]
-        labels = self._labelled(knots)
-        legs = self._path(knots, labels)
+        inner = [landed + (near - landed) * k / count for k in range(1, count)]
+        knots = [landed, *inner, near, bottom]
+        found = self._stretch([top, landed], None)
+        for k in range(0, len(knots) - 1, STRETCH):
+            found += self._stretch(knots[k : k + STRETCH + 1], found[-1])
+        return found
+
+    def _stretch(self, knots: list[float], before: Curve | None) -> list[Curve]:
+        """Some pieces, from the end of the one before them; not much longer than that at first."""
+        labels = {} if before else self._labelled(knots)
+        if before:
+            most = max(LONGER * (before.first - before.last), SHORT * self.flow.width)
+            knots = [
+                *itertools.chain(*(_even(*ends, most) for ends in itertools.pairwise(knots))),
+                knots[-1],
+            ]
+        legs = self._path(knots, labels, before)
         spare = np.full(len(legs), LEAST)
         judged = 0
         for _ in range(TRIES):
-            curves = self._curves(legs, spare)
+            curves = self._curves(legs, spare, before)
             lead, missing = self._guessed(curves), np.zeros(len(curves))
             if (lead > 0).all():
                 lead, missing = self._leads(curves)
@@ -434,7 +458,7 @@ class _Barrier:
             ]
             if any(cuts):
                 knots = sorted([*knots, *itertools.chain(*cuts)], reverse=True)
-                legs = self._path(knots, labels)
+                legs = self._path(knots, labels, before)
                 spare = np.repeat(spare, [len(own) + 1 for own in cuts])
             else:
                 spare = spare + more
@@ -463,17 +487,19 @@ class _Barrier:
         lead, missing = np.array([self.known[curve.key] for curve in curves]).T
         return lead, missing
 
-    def _path(self, knots: Sequence[float], labels: Mapping[str, float]) -> list[_Leg]:
-        """The path of the motion that gains most, in floating point."""
+    def _path(
+        self, knots: Sequence[float], labels: Mapping[str, float], curve: Curve | None = None
+    ) -> list[_Leg]:
+        """The path of the motion that gains most, in floating point; on from the end of a curve."""
         legs: list[_Leg] = []
-        at = self._begin(knots[0])
+        at = self._begin(knots[0]) if curve is None else curve.end
         at = dataclasses.replace(at, slopes={**at.slopes, **labels})
         corner = self.flow.worst(knots[0], at, self.corners)
         before = self.flow.change(knots[0], at, corner)
         for first, last in itertools.pairwise(knots):
             tip = self.flow.sticks(first, at, corner)
             # starts are told to be ahead of S
-            if legs and tip != at.tip and not self._begins(first):
+            if (legs or curve) and tip != at.tip and not self._begins(first):
                 at = self.flow.ahead_of(tip, first, at)
                 before = self.flow.change(first, at, corner)
             end = self.flow.step(first, first - last, at, before, corner)
@@ -481,9 +507,8 @@ class _Barrier:
             corner = self.flow.worst(last, end, self.corners)
             after = self.flow.change(last, end, corner)
             legs.append(_Leg(first, last, at, end, before, after, drift))
-            if (
-                len(legs) == 1 and len(knots) > 2
-            ):  # the rest follows the curve that is moved to hold every start
+            # the rest follows the curve that is moved to hold every start
+            if curve is None and len(legs) == 1 and len(knots) > 2:
                 moved = self.side * self._first_raised(legs[0])
                 end = dataclasses.replace(end, ahead=end.ahead + moved)
                 corner = self.flow.worst(last, end, self.corners)
@@ -517,26 +542,27 @@ class _Barrier:
             for name, own in labels.items()
         }
 
-    def _curves(self, legs: list[_Leg], spare: Floats) -> list[Curve]:
+    def _curves(self, legs: list[_Leg], spare: Floats, before: Curve | None = None) -> list[Curve]:
         """The path as curves without gaps, each steeper than it by a slope."""
         found: list[Curve] = []
-        off = 0.0
+        off = ROOM if before else 0.0
         for leg, more in zip(legs, map(float, spare), strict=True):
             # the path goes on from where the first piece was moved to
             moved = self._first_raised(leg)
-            if found:
+            if before:
                 moved = off = max(off, moved)
             back = leg.drift * off
             # a start that a piece holds is held by a steeper one, not by one less steep
             more += max(back, 0.0) if self._begins(leg.first) else back
             curve = self._curve(leg).raised(self.side * moved, self.side * more * leg.length)
-            if found and found[-1].tip != curve.tip:
-                raised = self._raised(partial(self._beyond, found[-1], curve), self.box)
+            if before and before.tip != curve.tip:
+                raised = self._raised(partial(self._beyond, before, curve), self.box)
                 off += raised
                 curve = curve.raised(self.side * raised, 0.0)
-            elif found:
-                self._no_gap(found[-1], curve)
+            elif before:
+                self._no_gap(before, curve)
             found.append(curve)
+            before = curve
             off += more * leg.length + ROOM
         return found
 
@@ -619,6 +645,12 @@ class _Barrier:
             step -= abs(turned) * abs(whole(self.box[name]) - arb(self.flow.middle[name]))
         if not step >= 0:
             raise Refused(CLAIM, "without a gap", "a gap")
+
+
+def _even(first: float, last: float, most: float) -> list[float]:
+    """Where pieces begin that are equally long, and none longer than ``most``."""
+    count = math.ceil((first - last) / most)
+    return [first + (last - first) * k / count for k in range(count)]
 
 
 def _wanted(lead: Floats, missing: Floats) -> Floats:
