@@ -7,6 +7,7 @@ import time
 from collections.abc import Callable
 from concurrent.futures import CancelledError, Future
 from contextlib import suppress
+from functools import partial
 from typing import Any
 
 from meso_robust.campaigns.executor import CrewLostError, Found
@@ -111,7 +112,7 @@ class Cluster:
         """Forget what is under way and let go of the scheduler."""
         client, self._client = self._client, None
         if client is not None:
-            # of a scheduler that is gone already
-            with suppress(self._dask.client.ClosedClientError, OSError):
-                self._pool.shutdown(wait=False)
-                client.close(timeout=CONNECT)
+            # of a scheduler that is gone already; the client is closed whatever the pool says, or its thread goes on
+            for end in (partial(self._pool.shutdown, wait=False), partial(client.close, CONNECT)):
+                with suppress(self._dask.client.ClosedClientError, OSError):
+                    end()

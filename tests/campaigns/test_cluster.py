@@ -44,6 +44,18 @@ def test_a_killed_worker_changes_nothing(tmp_path: Path) -> None:
     assert workers == 3
 
 
+def test_the_client_is_closed_whatever_its_pool_says(monkeypatch: pytest.MonkeyPatch) -> None:
+    def gone(**_: object) -> None:
+        raise OSError("the scheduler is gone")
+
+    with running(1) as (address, _):
+        crew = Cluster(address)
+        client = crew._client
+        monkeypatch.setattr(crew._pool, "shutdown", gone)
+        crew.close()
+        assert client.status == "closed"
+
+
 def test_a_scheduler_that_is_gone_is_told_and_what_was_done_is_kept(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
