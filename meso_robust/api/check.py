@@ -6,7 +6,7 @@ import json
 from dataclasses import dataclass
 from os import PathLike
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, TypeAlias, Union
+from typing import TYPE_CHECKING, Annotated, Any, Protocol, TypeAlias, Union
 
 from meso_robust.api.call import call
 from meso_robust.api.inputs import files_of, task_of
@@ -15,14 +15,22 @@ from meso_robust.api.progress import SILENT, Progress
 from meso_robust.api.result import Result
 
 if TYPE_CHECKING:  # nothing of what is checked is imported: a check shares no code with it
-    from meso_robust.api.plan import Planned
     from meso_robust.certificates.document import CertificateDocument
     from meso_robust.checker.document import Certificate
     from meso_robust.checker.verdict import Answer, Word
     from meso_robust.task import Task
 
+
+class Certified(Protocol):
+    """What holds a certificate, as what :func:`meso_robust.plan` returns does."""
+
+    @property
+    def certificate(self) -> CertificateDocument:
+        """The content of ``certificate.json``."""
+
+
 CertificateGiven: TypeAlias = Annotated[
-    Union["CertificateDocument", "Planned", str, PathLike[str]],
+    Union["CertificateDocument", "Certified", str, PathLike[str]],
     Option(words="The certificate (certificate.json)."),
 ]
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, TypeAlias, Union
@@ -17,6 +17,7 @@ from meso_robust.api.result import Result, text_of
 from meso_robust.errors import InputError, NotApplicableError
 
 if TYPE_CHECKING:
+    from meso_robust.api.check import Checked
     from meso_robust.bounds import VerdictWord
     from meso_robust.certificates.document import CertificateDocument
     from meso_robust.certificates.margin import Margin
@@ -43,10 +44,13 @@ class Planned(Result):
         What a fitted model made of the task; None if there was none.
     more
         Texts of further files by name: those that were requested, and those about a fitted model.
+    checked
+        What :func:`check` says of the certificate; None if it was not asked, or nothing is proved.
     """
 
     result: Judged
     promise: Promise | None = None
+    checked: Checked | None = None
     more: Mapping[str, str] = field(default_factory=dict)
 
     @property
@@ -56,10 +60,13 @@ class Planned(Result):
 
     @property
     def positive(self) -> bool:
+        """Whether the plan is proved to work and, if that was asked, the proof verified."""
+        return self.proved and (self.checked is None or self.checked.verified)
+
+    @property
+    def proved(self) -> bool:
         """Whether the plan is proved to work."""
         return self.verdict == "PROVED"
-
-    proved = positive
 
     @property
     def task(self) -> Task:
@@ -95,7 +102,12 @@ class Planned(Result):
     def __str__(self) -> str:
         from meso_robust.transfer import answer
 
-        return self.result.summary if self.promise is None else answer.summary(self.promise)
+        found = self.result.summary if self.promise is None else answer.summary(self.promise)
+        if self.checked is None:
+            return found
+        from meso_robust.reporting.answer import verified_words
+
+        return f"{found}\n{verified_words(self.checked.answer)}"
 
     def __repr__(self) -> str:
         from meso_robust.wording import counted
@@ -116,7 +128,9 @@ class Planned(Result):
         return {
             "plan.json": text_of(self.plan),
             "certificate.json": self.text(),
-            "report.html": report(self.result, self.promise),
+            "report.html": report(
+                self.result, self.promise, None if self.checked is None else self.checked.answer
+            ),
             **self.more,
         }
 
@@ -132,6 +146,7 @@ def plan(  # noqa: PLR0913  # every option of the verb is an argument
     widest: bool = False,
     policy: bool = False,
     maps: bool = False,
+    check: bool = False,
     progress: Progress = SILENT,
 ) -> Planned:
     """Find a plan, certify it, search its margin and cross-check it in the simulator.
@@ -157,6 +172,8 @@ def plan(  # noqa: PLR0913  # every option of the verb is an argument
         Also certify a feedback policy: ``policy.json`` for ``drive``, ``region.svg`` of its starts.
     maps
         Also draw where each primitive may push, and from which starts (SVG, JSON).
+    check
+        Also verify the certificate as ``check`` does (seconds; with round tips up to minutes): ``check.json``.
     progress
         Shows what is being done.
 
@@ -200,7 +217,8 @@ def plan(  # noqa: PLR0913  # every option of the verb is an argument
         if asked:
             stated.rectangle(use)
     if model is not None:
-        return _promised(stated, Path(model), samples, seed, progress, files_of(task, model))
+        made = _promised(stated, Path(model), samples, seed, progress, files_of(task, model))
+        return _checked(made, progress) if check else made
 
     from meso_robust import pipeline
 
@@ -215,7 +233,8 @@ def plan(  # noqa: PLR0913  # every option of the verb is an argument
         from meso_robust.reporting.admissible import map_files
 
         more |= map_files(result.task, progress.doing)
-    return Planned(result=result, more=more, inputs=files_of(task))
+    found = Planned(result=result, more=more, inputs=files_of(task))
+    return _checked(found, progress) if check else found
 
 
 @call
@@ -332,6 +351,16 @@ def _promised(
         "premises.json": text_of(answer.document(made)),
     }
     return Planned(result=made.planned, promise=made, more=more, inputs=inputs)
+
+
+def _checked(made: Planned, progress: Progress) -> Planned:
+    """The same with what the checker says of it, if there is a proof to be verified."""
+    if not made.proved:
+        return made
+    from meso_robust.api.check import check
+
+    checked = check(made.certificate, made.task, progress=progress)
+    return replace(made, checked=checked, more={**made.more, **checked.files()})
 
 
 def _widest(task: TaskGiven, result: Judged) -> dict[str, str]:

@@ -16,6 +16,7 @@ from meso_robust.tasks import PAPER
 
 RESULTS = ("plan.json", "certificate.json", "report.html")
 """Files that are always written."""
+CHECKED = "check.json"
 
 
 @verb(call, out="meso-robust-plan", document="certificate.json")
@@ -29,16 +30,22 @@ def plan(
     allow()
     file = task or PAPER
     try:
-        return run.saved(written(**run.of(call, task=file)), task=file)
+        found = run.saved(written(**run.of(call, task=file)), task=file)
     except NotApplicableError as error:
         unplanned(run, file, error, "plan")
+    if found.checked is None:  # of an earlier plan
+        (run.out / CHECKED).unlink(missing_ok=True)
+    return found
 
 
-def written(*, model: object, widest: bool, policy: bool, maps: bool, **_: object) -> list[str]:
+def written(
+    *, model: object, widest: bool, policy: bool, maps: bool, check: bool, **_: object
+) -> list[str]:
     """Names of the files that will be written (but the drawings of the maps)."""
     names = [*RESULTS]
     names += ["task.toml"] if widest or model is not None else []
     names += ["premises.json"] if model is not None else []
+    names += [CHECKED] if check else []
     names += ["policy.json", "policy.md", "region.svg"] if policy else []
     return [*names, "admissible.json"] if maps else names
 
@@ -57,6 +64,6 @@ def unplanned(run: Run, task: Path, error: object, verb: str) -> NoReturn:
     within = run.given.get("search_s")
     options = "" if within is None else f" --search-s {within:g}"
     write_all(run.out, {"report.html": unplanned_report(stated, str(error), verb, options)})
-    for name in ("plan.json", "certificate.json"):  # of an earlier run: not the answer now
+    for name in ("plan.json", "certificate.json", CHECKED):  # of an earlier run: not the answer now
         (run.out / name).unlink(missing_ok=True)
     negative(f"UNKNOWN ({stated.tips}): {error} (report: {run.out / 'report.html'})")

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from meso_robust.bounds import Verdict, VerdictWord
+from meso_robust.checker.verdict import Answer as Verified
 from meso_robust.pipeline import Planned
 from meso_robust.reporting.words import Side, Witness, factor, number, sides, witness_words
 from meso_robust.transfer.promise import Promise
@@ -62,6 +63,29 @@ def answer(result: Planned, promise: Promise | None = None) -> Answer:
         witness=None
         if witness is None
         else witness_words(witness, certificate.reading.outcome or ""),
+    )
+
+
+def verified_words(checker: Verified) -> str:
+    """What the checker says of a certificate.
+
+    Parameters
+    ----------
+    checker
+        Its answer.
+
+    Returns
+    -------
+    str
+        A sentence, without its full stop.
+    """
+    refused = checker.refused
+    if refused is None:
+        return f"checked: {checker.verdict}, by formulas and arithmetic of the checker's own"
+    return (
+        f"checked: {checker.verdict} at {refused.claim}, where {refused.stated} is stated and "
+        f"{refused.found} was found: the proof is not confirmed, so do not rely on this plan; state "
+        "narrower uncertainties or another start"
     )
 
 

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from meso_robust.bounds import Verdict
+from meso_robust.checker.verdict import Answer as Verified
 from meso_robust.even_film import remarks
 from meso_robust.laboratory.running import excess
 from meso_robust.pipeline import Planned
 from meso_robust.reporting import pages, rows
-from meso_robust.reporting.answer import answer
+from meso_robust.reporting.answer import answer, verified_words
 from meso_robust.reporting.conditions import LETTERS_SAID, conditions
 from meso_robust.reporting.plan_figures import move_figure, overview_figure
 from meso_robust.reporting.reading import Standing, ending, endings, standings, through
@@ -27,7 +28,7 @@ from meso_robust.transfer.promise import Promise
 from meso_robust.wording import counted, do, up, worded
 
 
-def report(result: Planned, promise: Promise | None = None) -> str:
+def report(result: Planned, promise: Promise | None = None, checker: Verified | None = None) -> str:
     """One self-contained HTML page on a plan: the answer first, then its grounds.
 
     Parameters
@@ -36,6 +37,8 @@ def report(result: Planned, promise: Promise | None = None) -> str:
         Everything that ``meso-robust plan`` found out.
     promise
         What a fitted model made of the task, if the plan was made with one.
+    checker
+        What the checker says of the certificate, if it was asked.
 
     Returns
     -------
@@ -102,8 +105,8 @@ def report(result: Planned, promise: Promise | None = None) -> str:
                 verb="plan",
                 subject=certificate.task,
                 word=said.verdict,
-                colour=said.verdict,
-                meaning=said.meaning,
+                colour=said.verdict if checker is None or checker.positive else "UNKNOWN",
+                meaning=said.meaning if checker is None else f"{said.meaning} {_told(checker)}",
                 figures=said.figures,
             ),
             lead=body.claim(),
@@ -128,6 +131,11 @@ def report(result: Planned, promise: Promise | None = None) -> str:
             scripted=True,
         )
     )
+
+
+def _told(checker: Verified) -> str:
+    words = verified_words(checker)
+    return f"{words[0].upper()}{words[1:]}."
 
 
 def _figure(name: str, title: str, caption: str, drawing: Picture) -> pages.Figure:

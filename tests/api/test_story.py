@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -53,6 +54,10 @@ def test_check(story: Story, planned: mr.Planned) -> None:
     assert json.loads(said) == rejected.document
     assert (rejected.verdict, rejected.verified) == ("REJECTED", False)
     assert "REJECTED" in rejected._repr_html_()
+    doubted = replace(planned, checked=rejected)
+    assert (planned.positive, doubted.positive, doubted.proved) == (True, False, True)
+    assert "checked: REJECTED at " in str(doubted)
+    assert "do not rely on this plan" in doubted.files()["report.html"]
     changed.unlink()  # the folder is compared with another
 
 

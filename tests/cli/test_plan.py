@@ -52,6 +52,19 @@ def test_the_page_repeats_how_long_was_searched(proved: tuple[Any, Path]) -> Non
     assert "meso-robust plan TASK.toml --samples 50 --seed 0 --search-s 90" in page
 
 
+def test_a_plan_is_verified_if_that_is_asked(tmp_path: Path) -> None:
+    def planned(*options: str) -> Any:
+        return RUNNER.invoke(app, ["plan", "--out", str(tmp_path), "--samples", "5", *options])
+
+    asked = planned("--check")
+    assert asked.exit_code == 0, asked.output
+    assert "checked: VERIFIED" in asked.stdout
+    assert json.loads((tmp_path / "check.json").read_text())["verdict"] == "VERIFIED"
+    assert "Checked: VERIFIED" in (tmp_path / "report.html").read_text(encoding="utf-8")
+    assert "checked" not in planned().stdout
+    assert not (tmp_path / "check.json").exists()  # said of another certificate
+
+
 def test_plan_moves_follow_the_contract(proved: tuple[Any, Path]) -> None:
     plan = json.loads((proved[1] / "plan.json").read_text())
     first = plan["moves"][0]
