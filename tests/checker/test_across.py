@@ -18,6 +18,7 @@ from meso_robust.primitives.frame import Frame
 from meso_robust.primitives.move import MoveRule
 from tests.checker.test_slip import REAL
 from tests.checker.test_turns import task
+from tests.nightly import by_day
 from tests.primitives.test_across import WAYS, pushes
 
 
@@ -41,7 +42,7 @@ def width(side: Side) -> float:
     return float(side[1] - side[0])
 
 
-@pytest.mark.parametrize("way", WAYS)
+@pytest.mark.parametrize("way", by_day(1, WAYS))
 def test_what_the_push_before_leaves_known_is_found_again(way: tuple[Frame, Frame]) -> None:
     _, first, second, alone = pushes(way)
     assert first.post is not None

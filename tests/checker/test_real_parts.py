@@ -23,6 +23,7 @@ from meso_robust.checker.inputs import given, uncertainties
 from meso_robust.checker.reading import digest, parse_certificate
 from meso_robust.checker.verdict import BITS, Answer, check
 from meso_robust.task import Task, load_task
+from tests.nightly import at_night, by_day
 
 Document = dict[str, Any]
 HERE = Path(__file__).parent / "real_parts"
@@ -92,8 +93,11 @@ def test_it_is_verified(document: Document) -> None:
     assert "probe.tip_radius_um = [2.25, 2.75]" in found.claims
 
 
-@pytest.mark.parametrize("boxes", [False, True], ids=["claim only", "boxes too"])
-@pytest.mark.parametrize("name", WIDER)
+EACH_WAY = [(name, (k + turn) % 2 > 0) for turn in range(2) for k, name in enumerate(WIDER)]
+"""Every quantity in the claim only, and in the boxes too; the first of each differ."""
+
+
+@pytest.mark.parametrize(("name", "boxes"), by_day(len(WIDER), EACH_WAY))
 def test_what_was_proved_of_less_is_rejected(document: Document, name: str, boxes: bool) -> None:
     """About a task that is wider in one quantity: in the claim alone, or in every stated box as well."""
     of = wider_task(name)
@@ -158,6 +162,7 @@ def test_what_is_stated_of_fewer_variables_holds_for_all_of_the_rest(document: D
     assert answered(document, task()).verdict == "VERIFIED"
 
 
+@at_night
 def test_a_rotation_of_a_real_part_is_verified_as_it_is_proved() -> None:
     """With everything uncertain at once; proved again, as a certificate that is kept may be old."""
     folder = Path(__file__).resolve().parents[2] / "reports" / "campaigns" / "real_parts"

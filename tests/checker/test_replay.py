@@ -39,7 +39,7 @@ from meso_robust.toml_files import toml_text
 from tests.checker.test_check import checked, objection, reclaimed
 from tests.checker.test_witness import witness
 from tests.conftest import paper_task
-from tests.nightly import at_night
+from tests.nightly import at_night, by_day
 from tests.slot import point_slot
 from tests.turned import HALF, turned_rules, turned_task
 
@@ -173,7 +173,7 @@ def fate(task: Task, rules: tuple[MoveRule, ...], draws: Draws, row: int) -> Fat
     return None
 
 
-@pytest.mark.parametrize("frame", HALF, ids=str)
+@pytest.mark.parametrize("frame", by_day(2, HALF), ids=str)
 def test_runs_end_where_the_event_driven_engine_takes_them(frame: Frame) -> None:
     """In a goal so small that some of the runs of a certified plan miss it."""
     task = turned_task(frame, goal__position_tolerance_um=15.0, goal__orientation_tolerance_deg=0.5)
@@ -192,7 +192,7 @@ def test_runs_end_where_the_event_driven_engine_takes_them(frame: Frame) -> None
             assert told == (None if hit else MISSED)
 
 
-@pytest.mark.parametrize("frame", HALF, ids=str)
+@pytest.mark.parametrize("frame", by_day(2, HALF), ids=str)
 def test_a_probe_that_starts_inside_the_part_is_found(frame: Frame) -> None:
     """At distances on both sides of the edge, which the probe and sensing errors decide."""
     task, rules = turned_task(frame), turned_rules(frame)

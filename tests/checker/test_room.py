@@ -11,12 +11,13 @@ from meso_robust.planning.compose import compose
 from meso_robust.task import parse_task
 from tests.checker.test_check import checked
 from tests.checker.test_walls import certificate_of
-from tests.nightly import at_night
+from tests.nightly import at_night, by_day
 from tests.paper import paper_task
 
 
 @pytest.mark.parametrize(
-    ("friction", "percent"), [([0.33, 0.33], 1.0), ([0.32, 0.34], 5.0), ([0.30, 0.36], 1.0)]
+    ("friction", "percent"),
+    by_day(1, [([0.33, 0.33], 1.0), ([0.32, 0.34], 5.0), ([0.30, 0.36], 1.0)]),
 )
 def test_a_plan_is_verified_however_closely_friction_and_film_are_known(
     friction: list[float], percent: float, paper_plan: Planned

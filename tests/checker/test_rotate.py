@@ -19,6 +19,7 @@ from meso_robust.checker.scene import Scene, scene_of
 from meso_robust.checker.verdict import BITS
 from meso_robust.task import Task
 from tests.checker.balance import Alone, Held, Numbers
+from tests.nightly import often
 
 UM = 1e-6
 SPACING, RISE, APART = 580.0, 150.0, 960.0
@@ -146,7 +147,7 @@ def test_pushes_end_in_the_box() -> None:
     found, passage = proved()
     box = {**found.box, "size_far": found.box["size_other"], "kappa_far": found.box["kappa_other"]}
     rng, ends = np.random.default_rng(0), []
-    for run in range(12):
+    for run in range(often(6, 12)):
         values = {}
         for name, (low, high) in sorted(box.items()):
             share = rng.choice((0.0, 1.0)) if run % 2 else rng.uniform()

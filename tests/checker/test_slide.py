@@ -26,6 +26,7 @@ from meso_robust.checker.slide import (
     least_leads,
 )
 from tests.checker.balance import Held, Numbers
+from tests.nightly import often
 
 UM = 1e-6
 Change = Callable[[Any], Any]
@@ -227,7 +228,7 @@ def test_motions_stay_between_the_barriers(
         )
         if n in ranges
     ]
-    for run in range(12):
+    for run in range(often(4, 12)):
         numbers = {n: float(rng.choice(ends)) for n, ends in ranges.items()}
         numbers["stray"] = 0.0
         h = float(rng.uniform(*H))

@@ -23,6 +23,7 @@ from meso_robust.checker.scene import Scene
 from meso_robust.checker.verdict import BITS
 from meso_robust.task import Task
 from tests.checker.real_tips import Push, Vector
+from tests.nightly import often
 
 FULL: dict[str, dict[str, Any]] = {
     "part": {"size_tolerance_um": 4.0, "squareness_deg": 0.1},
@@ -162,7 +163,7 @@ def test_runs_end_in_the_box_that_is_proved(more: str) -> None:
         own_box(known.tilt, known.tilted),
         own_box(known.straighten, known.straightened),
     )
-    for k in range(24):
+    for k in range(often(8, 24)):
         values = drawn(known.tilt.box, rng, corner=k % 2 == 0)
         push = push_of(known.tilt, values, TILT)
         push.film = changing(known.tilt.box, rng)

@@ -28,6 +28,7 @@ from meso_robust.campaigns.property.laws.routes import (
 )
 from meso_robust.types import Floats
 from tests.conditions.functions import with_a_changed_sign
+from tests.nightly import by_day, often
 from tests.strategies import REPEATABLE
 
 MOST_ARGUMENTS = 24  # of a formula
@@ -51,10 +52,17 @@ CHECKS: dict[Check, set[str]] = {
     ball_over_a_box_holds_the_truth: {"balls", "bounds"},
 }
 """Check -> routes that it compares."""
+ROUTES = ("numbers", "balls", "bounds")
+EACH_ROUTE = [
+    (*one, ROUTES[(k + turn) % len(ROUTES)])
+    for turn in range(len(ROUTES))
+    for k, one in enumerate(NAMES)
+]
+"""Every function by every route; the first of each function differ."""
 
 
 @every_function
-@settings(REPEATABLE, max_examples=30)
+@settings(REPEATABLE, max_examples=often(10, 30))
 @given(shares)
 def test_routes_agree(module: str, name: str, random: Floats) -> None:
     of = routes(module, name)
@@ -63,10 +71,9 @@ def test_routes_agree(module: str, name: str, random: Floats) -> None:
         assert not agree(of, at)
 
 
-@every_function
-@pytest.mark.parametrize("route", ["numbers", "balls", "bounds"])
+@pytest.mark.parametrize(("module", "name", "route"), by_day(len(NAMES), EACH_ROUTE))
 def test_a_changed_sign_is_noticed(
-    route: str, module: str, name: str, monkeypatch: pytest.MonkeyPatch
+    module: str, name: str, route: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     copies = with_a_changed_sign(module, name)
     noticed = dict.fromkeys(CHECKS, 0)

@@ -17,6 +17,7 @@ from meso_robust.recordings import RecordingSet, SensorInfo, read_set, write_set
 from meso_robust.recordings.checking import checked
 from meso_robust.recordings.problems import problems
 from meso_robust.recordings.usable import usable_set
+from tests.nightly import by_day
 from tests.recordings.planted import FILES, FRAMES, MIDDLE, RATE, UM, clean, one, planted, poses
 from tests.recordings.simulated import Kind, made
 
@@ -222,8 +223,8 @@ def test_identify_may_fit_noise_that_nobody_knows() -> None:
 @pytest.mark.skipif(not REAL.is_dir(), reason="the public recordings are not here")
 @pytest.mark.parametrize(
     "folder",
-    ["cmu_two_finger/bigrect_3pts_20_neg30_90", "cmu_two_finger/tri_0_0_90",
-     "cmu_support_points/patch", "mit_plywood"],
+    by_day(2, ["cmu_two_finger/bigrect_3pts_20_neg30_90", "cmu_two_finger/tri_0_0_90",
+     "cmu_support_points/patch", "mit_plywood"]),
 )  # fmt: skip
 def test_real_sets_are_judged_as_a_diagnosis_takes_them(folder: str) -> None:
     found = checked(REAL / folder, None, repair=False)
@@ -300,7 +301,7 @@ def in_rad(recordings: RecordingSet) -> RecordingSet:
     )
 
 
-@pytest.mark.parametrize("seed", range(6))
+@pytest.mark.parametrize("seed", by_day(2, range(6)))
 @pytest.mark.parametrize("seen_tips", [False, True])
 def test_radians_in_the_column_of_degrees_are_found_at_small_angles(
     seed: int, seen_tips: bool

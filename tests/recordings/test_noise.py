@@ -11,6 +11,7 @@ from meso_robust.recordings import Recording, RecordingSet, Rectangle, SensorInf
 from meso_robust.recordings.contact import gaps, margin, nearest_gap, scatter, size
 from meso_robust.recordings.noise import estimated_noise, estimated_sensor
 from meso_robust.recordings.still import still
+from tests.nightly import by_day
 from tests.recordings.planted import (
     BACK,
     FRAMES,
@@ -132,7 +133,7 @@ def drawn(seed: int, correlation: float = 0.0, drift: float = 0.0) -> RecordingS
     return clean(sensor=UNKNOWN, recordings=recordings)
 
 
-@pytest.mark.parametrize("drift", [0.0, 0.2 * UM])
+@pytest.mark.parametrize("drift", by_day(1, [0.2 * UM, 0.0]))
 @pytest.mark.parametrize("correlation", [0.0, 0.5])
 def test_noise_is_found_as_drawn_whatever_the_drift(correlation: float, drift: float) -> None:
     """The estimate of 480 white frames is good to 3.3 %; 12 sets average that to 1 %."""

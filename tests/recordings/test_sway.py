@@ -12,6 +12,7 @@ from meso_robust.recordings.direct.run import direct_tests
 from meso_robust.recordings.noise import estimated_noise
 from meso_robust.recordings.still import still
 from meso_robust.recordings.sway import sway_of
+from tests.nightly import by_day
 from tests.recordings.planted import RATE, SIGMA, TURN_SIGMA, UM, Floats, clean, one
 
 UNKNOWN = SensorInfo(frame_rate=RATE)
@@ -51,7 +52,7 @@ def shaken(made: RecordingSet, size: float, rate: float, way: Floats) -> Recordi
     return replace(made, recordings=tuple(moved))
 
 
-@pytest.mark.parametrize("colour", [0.0, 0.5, 0.85])
+@pytest.mark.parametrize("colour", by_day(1, [0.0, 0.5, 0.85]))
 def test_noise_of_any_colour_is_no_sway(colour: float) -> None:
     """One in two hundred sets may be one by chance; of thirty at most two."""
     found = [estimated_noise(at_rest(seed, colour)).sway for seed in range(30)]

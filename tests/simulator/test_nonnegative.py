@@ -5,6 +5,7 @@ import pytest
 from numba import njit
 from scipy.optimize import nnls
 
+from tests.nightly import by_day
 from tests.simulator.entries import nearest
 
 
@@ -14,7 +15,7 @@ def solve(A, q, x, r):  # type: ignore[no-untyped-def]
     return nearest(A, q, x, r, np.empty((n + 4, max(m, n) + 1)), np.empty(2 * m, np.int64))
 
 
-@pytest.mark.parametrize(("columns", "size"), [(3, 5), (8, 8), (16, 8), (24, 12)])
+@pytest.mark.parametrize(("columns", "size"), by_day(2, [(3, 5), (8, 8), (16, 8), (24, 12)]))
 def test_nearest_point_of_random_cones(columns: int, size: int) -> None:
     rng = np.random.default_rng(columns)
     inside = 0

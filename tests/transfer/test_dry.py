@@ -20,6 +20,7 @@ from meso_robust.transfer.lines import LINES
 from meso_robust.transfer.promise import Recertified, as_fast, recertified
 from meso_robust.transfer.uneven_film import _mean, rubbed
 from meso_robust.types import Floats
+from tests.nightly import by_day
 from tests.paper import paper_task
 from tests.strategies import paper_chain
 from tests.transfer.models import budget, model
@@ -40,7 +41,7 @@ def seen(places: Floats, more: Floats) -> tuple[float, float]:
 
 
 @pytest.mark.parametrize(
-    ("still", "growing", "slender"), [(0.05, 0.0, 1616 / 837), (0.03, 0.02, 1.3)]
+    ("still", "growing", "slender"), by_day(1, [(0.05, 0.0, 1616 / 837), (0.03, 0.02, 1.3)])
 )
 def test_centre_and_ratio_are_within_their_bounds_wherever_the_dry_contact_is(
     still: float, growing: float, slender: float
