@@ -22,14 +22,16 @@ from __future__ import annotations
 import dataclasses
 import functools
 import itertools
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 
+import numpy as np
+import numpy.typing as npt
 from flint import arb
 
 from meso_robust.checker import statement as st
 from meso_robust.checker.approach import Approach, approaches, pose_from
 from meso_robust.checker.dual import Dual, Point, once
-from meso_robust.checker.grip import Forces, Grip, S
+from meso_robust.checker.grip import D, Drag, Forces, Grip, Real, S
 from meso_robust.checker.ids import Must, Objection, Property, named
 from meso_robust.checker.inputs import PoseBox
 from meso_robust.checker.outline import Edge, Neighbour, Rectangle
@@ -61,8 +63,18 @@ from meso_robust.checker.ranges import (
 )
 from meso_robust.checker.refusal import Refused
 from meso_robust.checker.requirement import Part, Requirement, Variables, prove
+from meso_robust.checker.rows import Rows, boxes_of, lowest
 from meso_robust.checker.scene import Scene
-from meso_robust.checker.slide import Piece, Start, drag_of, enclose, grip_of, ratios_of
+from meso_robust.checker.slide import (
+    CUTS,
+    Between,
+    Piece,
+    Start,
+    drag_of,
+    enclose,
+    grip_of,
+    ratios_of,
+)
 
 IDLE = 1
 """The upper tip of the active probe touches nothing; the lower one pushes."""
@@ -175,16 +187,43 @@ def _rests(touching: tuple[Approach, ...], h_end: Side) -> Requirement:
     )
 
 
-Spares = Sequence[Callable[[], Dual]]
+@dataclasses.dataclass(frozen=True)
+class _Held:
+    """The part held between both tips: at a point, or at many."""
+
+    grip: Grip
+    at: Mapping[str, Real]
+
+    @property
+    def ratios(self) -> tuple[Real, Real]:
+        """Friction of D and of S."""
+        return ratios_of(self.at)
+
+    @property
+    def drag(self) -> Drag:
+        """The drag of the instant."""
+        return drag_of(self.at)
+
+    def forces(self, k: int, k_S: int) -> Forces:
+        """The forces at shares of both cones."""
+        mu_D, mu_S = self.ratios
+        return self.grip.forces(self.drag, mu_D * k, mu_S * k_S)
+
+    @functools.cached_property
+    def corners(self) -> list[Forces]:
+        """The forces at the corners of both cones; numerators and divisor are linear in the ratios."""
+        return [self.forces(*ends) for ends in itertools.product(SIGNS, repeat=2)]
+
+
+Spares = Sequence[Callable[[], Real]]
 """By how much something exceeds a bound, in several ways, each worked out if it is asked for."""
-Spare = Callable[[Piece, arb, Point], Spares]
-"""By how much a grip of a piece does."""
+Spare = Callable[[_Held, arb], Spares]
+"""By how much a grip does."""
 
 
-def _resting(forces: Forces, bound: arb) -> Dual:
+def _resting(forces: Forces, bound: arb) -> Real:
     """By how much the resting tip presses more than ``bound``."""
-    spare: Dual = forces.resting - forces.divisor * bound
-    return spare
+    return forces.resting - forces.divisor * bound
 
 
 class _Turn:
@@ -227,10 +266,42 @@ class _Turn:
 
     def _exceeds(self, bound: arb, *spares: Spare) -> bool:
         """Whether one of some things has more than ``bound`` to spare in all grips of each piece."""
+        left = list(self.pieces)
+        for spare in spares:
+            left = self._left(left, spare, bound)
         return all(
-            any(self._in_piece(functools.partial(spare, piece, bound)) for spare in spares)
-            for piece in self.pieces
+            any(
+                self._in_piece(functools.partial(self._spares, one, spare, bound))
+                for spare in spares
+            )
+            for one in left
         )
+
+    def _left(self, pieces: list[Piece], spare: Spare, bound: arb) -> list[Piece]:
+        """The pieces of which it is not shown when all of one tip are looked at together."""
+        found = [one for one in pieces if one.lower.tip != one.upper.tip]
+        for tip in (D, S):
+            own = [one for one in pieces if one.lower.tip == one.upper.tip == tip]
+            if own:
+                shown = self._together(own, spare, bound)
+                found += [one for one, is_so in zip(own, shown, strict=True) if not is_so]
+        return found
+
+    def _together(self, pieces: list[Piece], spare: Spare, bound: arb) -> npt.NDArray[np.bool_]:
+        """Of which pieces it is shown."""
+        between = Between(pieces)
+        boxes, exact = boxes_of(self.states(), len(pieces))
+        places = {name: k for k, name in enumerate(boxes.names)}
+
+        def one(k: int, at: Mapping[str, Rows], which: npt.NDArray[np.int64]) -> Rows:
+            known = {**exact, **at}
+            found: Rows = spare(_Held(between.grip(known, places, which), known), bound)[k]()
+            return found
+
+        count = len(self._spares(pieces[0], spare, bound, self.around.middle))
+        with np.errstate(all="ignore"):  # what is not a number proves nothing
+            lows = [lowest(functools.partial(one, k), boxes, 0.0, CUTS, 0.0) for k in range(count)]
+        return np.all(np.array(lows) > 0, axis=0)
 
     def _in_piece(self, of: Callable[[Point], Spares]) -> bool:
         def every(at: Point) -> list[Dual]:
@@ -244,51 +315,42 @@ class _Turn:
             for k, low in enumerate(lows(every, self.around))
         )
 
-    def _corners(self, piece: Piece, at: Point) -> list[Forces]:
-        """The forces at the corners of both cones; numerators and divisor are linear in the ratios."""
-        return once((piece, "corners"), at, lambda: self._forces_at_corners(piece, at))
+    def _held(self, piece: Piece, at: Point) -> _Held:
+        return once((piece, "held"), at, lambda: _Held(piece.grip(at), at))
 
-    def _forces_at_corners(self, piece: Piece, at: Point) -> list[Forces]:
-        grip, drag, (mu_D, mu_S) = piece.grip(at), drag_of(at), ratios_of(at)
-        ends = itertools.product(SIGNS, repeat=2)
-        return [grip.forces(drag, mu_D * k, mu_S * k_S) for k, k_S in ends]
+    def _spares(self, piece: Piece, spare: Spare, bound: arb, at: Point) -> Spares:
+        return spare(self._held(piece, at), bound)
 
-    def _open(self, piece: Piece, bound: arb, at: Point) -> Spares:
-        def spare(forces: Forces) -> Dual:
+    def _open(self, held: _Held, bound: arb) -> Spares:
+        def spare(forces: Forces) -> Real:
             return forces.divisor - bound
 
-        return [functools.partial(spare, one) for one in self._corners(piece, at)]
+        return [functools.partial(spare, one) for one in held.corners]
 
-    def _pressed(self, piece: Piece, bound: arb, at: Point) -> Spares:
+    def _pressed(self, held: _Held, bound: arb) -> Spares:
         """D presses, also alone."""
-        grip, drag, (mu, _) = piece.grip(at), drag_of(at), ratios_of(at)
 
-        def spare(forces: Forces) -> Dual:
+        def spare(forces: Forces) -> Real:
             return forces.moving - bound
 
-        def alone(k: int) -> Dual:
-            return grip.alone(drag, mu * k) - bound
+        def alone(k: int) -> Real:
+            return held.grip.alone(held.drag, held.ratios[0] * k) - bound
 
-        found = [functools.partial(spare, one) for one in self._corners(piece, at)]
+        found = [functools.partial(spare, one) for one in held.corners]
         return [*found, *(functools.partial(alone, k) for k in SIGNS)]
 
-    def _forces(self, piece: Piece, bound: arb, at: Point) -> Spares:
-        return [functools.partial(_resting, one, bound) for one in self._corners(piece, at)]
+    def _forces(self, held: _Held, bound: arb) -> Spares:
+        return [functools.partial(_resting, one, bound) for one in held.corners]
 
-    def _forces_back(self, piece: Piece, bound: arb, at: Point) -> Spares:
+    def _forces_back(self, held: _Held, bound: arb) -> Spares:
         """The same where D alone would let the part slip forward: of half of its cone."""
-        grip, drag, (mu_D, mu_S) = piece.grip(at), drag_of(at), ratios_of(at)
-        half = (
-            grip.forces(drag, mu_D * k, mu_S * k_S) for k, k_S in itertools.product((-1, 0), SIGNS)
-        )
+        half = (held.forces(k, k_S) for k, k_S in itertools.product((-1, 0), SIGNS))
         found = [functools.partial(_resting, one, bound) for one in half]
-        return [functools.partial(grip.slides_alone, drag), *found]
+        return [functools.partial(held.grip.slides_alone, held.drag), *found]
 
-    def _on_edges(self, piece: Piece, bound: arb, at: Point) -> Spares:
-        grip = piece.grip(at)
-
-        def spare(far: bool, reach: arb, sign: int) -> Dual:
-            return reach - bound + (grip.S_place if far else grip.D_place) * sign
+    def _on_edges(self, held: _Held, bound: arb) -> Spares:
+        def spare(far: bool, reach: arb, sign: int) -> Real:
+            return reach - bound + (held.grip.S_place if far else held.grip.D_place) * sign
 
         return [
             functools.partial(spare, far, reach, sign)
@@ -307,7 +369,7 @@ class _Turn:
         states = self.states()
 
         def forces(piece: Piece, at: Point) -> tuple[Dual, ...]:
-            corners = self._corners(piece, at)
+            corners = self._held(piece, at).corners
             return tuple(
                 -(normal / one.divisor) for one in corners for normal in (one.moving, one.resting)
             )

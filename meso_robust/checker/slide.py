@@ -216,19 +216,32 @@ class _Curves:
     ) -> tuple[Grip, Rows]:
         """The grip on some of the curves, and the rates of these."""
         done = at["done"]
-        a, b, c, d = map(Ends.exactly, self.coefficients[..., which])
-        share = Ends.of([done])
-        value = ((share * d + c) * share + b) * share + a
-        slope = (share * d * THREE + c * TWO) * share + b
-        bent = share * d * SIX + c * TWO
+        value, slope, bent = self._polynomials(done, which)
         length = Rows.constant(self.first[which]) - Rows.constant(self.last[which])
-        ahead = self._linear(at, places, value, slope)
-        rate = self._linear(at, places, slope, bent) / length
+        ahead = self._linear(at, places, done, value, slope)
+        rate = self._linear(at, places, done, slope, bent) / length
         if "stray" in self.names:
             own, ramp = (one.row(1 + self.names.index("stray")) for one in (value, slope))
             rate = rate + joined(own, {places["done"]: ramp}, done) * at["bend"]
         h = Rows.constant(self.first[which]) - done * length
         return grip_of(at, h, self.tip, ahead), rate
+
+    def ahead(
+        self, at: Mapping[str, Rows], places: Mapping[str, int], which: Where, h: Rows
+    ) -> Rows:
+        """How far the part is ahead on some of the curves, by h, which changes with ``done`` alone."""
+        first, last = (Rows.constant(ends[which]) for ends in (self.first, self.last))
+        done = (first - h) / (first - last)
+        value, slope, _ = self._polynomials(done, which)
+        per = Ends(done.ends[:, 1 + places["done"], None])
+        return self._linear(at, places, done, value, slope * per)
+
+    def _polynomials(self, done: Rows, which: Where) -> tuple[Ends, Ends, Ends]:
+        """The cubics of some of the curves, with their first and second derivatives."""
+        a, b, c, d = map(Ends.exactly, self.coefficients[..., which])
+        share = Ends.of([done])
+        value = ((share * d + c) * share + b) * share + a
+        return value, (share * d * THREE + c * TWO) * share + b, share * d * SIX + c * TWO
 
     def guessed(self, flow: Flow, corners: Mapping[str, Floats]) -> Floats:
         """By how much each curve is faster than motions at some values of the constants: a guess."""
@@ -254,10 +267,14 @@ class _Curves:
         return lead.reshape(len(length), -1).min(axis=1)
 
     def _linear(
-        self, at: Mapping[str, Rows], places: Mapping[str, int], value: Ends, slope: Ends
+        self,
+        at: Mapping[str, Rows],
+        places: Mapping[str, int],
+        done: Rows,
+        value: Ends,
+        slope: Ends,
     ) -> Rows:
         """What is linear in the constants: the first row and the others times their changes."""
-        done = at["done"]
         if not self.names:
             return joined(value.row(0), {places["done"]: slope.row(0)}, done)
         off = Ends.of([at[name] for name in self.names]) + Ends.exactly(-self.middle)
@@ -297,6 +314,25 @@ class Piece:
             if curve.tip != tip:
                 ends[k] = ends[k] + grip_of(at, h, D, ends[k]).T
         return grip_of(at, h, tip, ends[0] + at["share"] * (ends[1] - ends[0]))
+
+
+class Between:
+    """Grips between the barriers of several pieces, all ahead of one tip, as arrays."""
+
+    def __init__(self, pieces: Sequence[Piece]) -> None:
+        self.lower, self.upper = (
+            _Curves([getattr(piece, end) for piece in pieces]) for end in ("lower", "upper")
+        )
+        self.first, self.last = (
+            np.array([getattr(piece, end) for piece in pieces]) for end in ("first", "last")
+        )
+
+    def grip(self, at: Mapping[str, Rows], places: Mapping[str, int], which: Where) -> Grip:
+        """Any grip in some of the pieces, by the shares ``done`` of the travel and ``share`` of the width."""
+        first, last = (Rows.constant(ends[which]) for ends in (self.first, self.last))
+        h = first - at["done"] * (first - last)
+        low, high = (one.ahead(at, places, which, h) for one in (self.lower, self.upper))
+        return grip_of(at, h, self.lower.tip, low + at["share"] * (high - low))
 
 
 def sides_of(at: Mapping[str, Real]) -> Sides:

@@ -14,8 +14,10 @@ from flint import arb
 from meso_robust.checker import grip as grips
 from meso_robust.checker.dual import Dual, Remembered
 from meso_robust.checker.grip import D, Drag, Grip, S, Sides
-from meso_robust.checker.ranges import Box, Side
+from meso_robust.checker.ranges import Box, Side, whole
+from meso_robust.checker.rows import Boxes, boxes_of
 from meso_robust.checker.slide import (
+    Between,
     Cubic,
     Curve,
     Piece,
@@ -25,6 +27,7 @@ from meso_robust.checker.slide import (
     grip_of,
     least_leads,
 )
+from meso_robust.types import Floats
 from tests.checker.balance import Held, Numbers
 from tests.nightly import often
 
@@ -274,6 +277,40 @@ def test_every_piece_holds_the_turns_that_begin_on_it(which: int, pieces: int) -
         curve = next(one for one in curves if one.last <= h <= one.first)
         beyond = curve.at(curve.done(dual(h)), at) - first(at, dual(h))
         assert (beyond * which).value > 0
+
+
+@pytest.mark.parametrize("name", ["round", "moving"])
+def test_grips_of_many_pieces_are_those_of_each(
+    name: str, tubes: dict[str, tuple[Piece, ...]]
+) -> None:
+    """Values and slopes in arrays hold those in balls, at points and at the middles of boxes."""
+    ranges = {**{"round": ROUND, "moving": MOVING}[name], "done": (0.1, 0.8), "share": (0.2, 0.9)}
+    rng = np.random.default_rng(1)
+    for tip in (D, S):
+        pieces = [one for one in tubes[name] if one.lower.tip == one.upper.tip == tip]
+        assert pieces
+        between, (boxes, exact) = Between(pieces), boxes_of(box_of(ranges), len(pieces))
+        places = {n: k for k, n in enumerate(boxes.names)}
+        low, high = boxes.low, boxes.high
+        at = low + rng.random(low.shape) * (high - low)
+        for wide in (False, True):
+            some = Boxes(boxes.names, low, high) if wide else Boxes(boxes.names, at, at)
+            which = np.tile(np.arange(len(pieces)), 2)
+            many = between.grip({**exact, **some.points()}, places, which)
+            for k, piece in enumerate(pieces):
+                point = {n: Dual(whole(ends)) for n, ends in box_of(ranges).items()}
+                point |= {n: Dual(arb(float(at[j, k])), {n: arb(1)}) for n, j in places.items()}
+                one = piece.grip(point)
+                for of in ("T", "s", "b", "D_place"):
+                    rows, true = getattr(many, of), getattr(one, of)
+                    assert held_by(rows.ends[:, 0, k], true.value), (of, k)
+                    for n, slope in true.slopes.items():
+                        assert held_by(rows.ends[:, 1 + places[n], k], slope), (of, k, n)
+
+
+def held_by(ends: Floats, value: arb) -> bool:
+    """Whether ends as in :class:`Rows` hold a number, but for what its ball is wide by."""
+    return bool(-ends[0] <= value.upper() and value.lower() <= ends[1])
 
 
 def test_the_tube_is_hardly_wider_than_the_motions(tubes: dict[str, tuple[Piece, ...]]) -> None:
