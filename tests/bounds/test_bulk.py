@@ -27,6 +27,7 @@ from meso_robust.bounds.tape import BLOCK
 from reports.benchmarks.bounds import ratio
 from reports.benchmarks.ratio import BOX as RATIO_BOX, NAMES as RATIO_NAMES, random_boxes
 from tests.bounds.formulas import NAMES, Formula, corner, formulas, together
+from tests.nightly import often
 from tests.strategies import REPEATABLE, intervals
 
 sides = intervals(st.floats(-4.0, 4.0))
@@ -56,7 +57,7 @@ def prepared(*trees: Formula) -> Bounded | None:
         return None
 
 
-@settings(REPEATABLE, max_examples=80)
+@settings(REPEATABLE, max_examples=often(30, 80))
 @given(
     tree=formulas,
     other=formulas,
@@ -78,7 +79,7 @@ def test_bounds_in_bulk_hold_exact_values_inside_on_faces_and_at_corners(
                 assert value is None or lower[k, row] <= value <= upper[k, row]
 
 
-@settings(REPEATABLE, max_examples=40)
+@settings(REPEATABLE, max_examples=often(15, 40))
 @given(
     tree=formulas,
     boxes=st.lists(st.tuples(sides, sides, sides), min_size=1, max_size=4),

@@ -75,6 +75,7 @@ def test_edges_out_of_parallel_are_verified_as_such() -> None:
     assert found.verdict == "VERIFIED", found.refused
 
 
+@at_night
 def test_a_notch_that_nothing_rests_on_may_be_deeper() -> None:
     assert checked(document(), altered(3, (-4.0, -4.0))).verdict == "VERIFIED"
 

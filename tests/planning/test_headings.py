@@ -139,6 +139,7 @@ def test_a_plan_keeps_to_the_stated_headings() -> None:
     assert set(headings(compose(other).rules)) == {"+x"}
 
 
+@at_night
 def test_the_mirrored_task_has_the_mirrored_plan() -> None:
     values = task()
     mirrored = values.model_copy(
