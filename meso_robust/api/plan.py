@@ -45,7 +45,7 @@ class Planned(Result):
     more
         Texts of further files by name: those that were requested, and those about a fitted model.
     checked
-        What :func:`check` says of the certificate; None if it was not asked, or nothing is proved.
+        What :func:`check` says of the certificate; None if it was not asked.
     """
 
     result: Judged
@@ -72,6 +72,12 @@ class Planned(Result):
     def task(self) -> Task:
         """What was planned for: with a model or the widest margin not quite the task as given."""
         return self.result.task
+
+    @property
+    def brief(self) -> str:
+        """The verdict, and the checker's if it was asked."""
+        said = (self.verdict, *(() if self.checked is None else (self.checked.verdict,)))
+        return ", ".join(said)
 
     @property
     def plan(self) -> PlanDocument:
@@ -218,7 +224,7 @@ def plan(  # noqa: PLR0913  # every option of the verb is an argument
             stated.rectangle(use)
     if model is not None:
         made = _promised(stated, Path(model), samples, seed, progress, files_of(task, model))
-        return _checked(made, progress) if check else made
+        return with_check(made, progress) if check else made
 
     from meso_robust import pipeline
 
@@ -234,7 +240,7 @@ def plan(  # noqa: PLR0913  # every option of the verb is an argument
 
         more |= map_files(result.task, progress.doing)
     found = Planned(result=result, more=more, inputs=files_of(task))
-    return _checked(found, progress) if check else found
+    return with_check(found, progress) if check else found
 
 
 @call
@@ -353,10 +359,21 @@ def _promised(
     return Planned(result=made.planned, promise=made, more=more, inputs=inputs)
 
 
-def _checked(made: Planned, progress: Progress) -> Planned:
-    """The same with what the checker says of it, if there is a proof to be verified."""
-    if not made.proved:
-        return made
+def with_check(made: Planned, progress: Progress = SILENT) -> Planned:
+    """A plan with what the checker says of its certificate.
+
+    Parameters
+    ----------
+    made
+        The plan.
+    progress
+        Shows what is being done.
+
+    Returns
+    -------
+    Planned
+        The same, ``checked``, with ``check.json`` among its files.
+    """
     from meso_robust.api.check import check
 
     checked = check(made.certificate, made.task, progress=progress)

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import sys
 from pathlib import Path
 from typing import Annotated, NoReturn
 
 import typer
 
-from meso_robust.api.plan import Planned, plan as call
-from meso_robust.cli.console import negative, note
+from meso_robust.api.plan import Planned, plan as call, with_check
+from meso_robust.cli.console import INTERRUPTED, negative, note
 from meso_robust.cli.verb import Run, verb
 from meso_robust.copies import allow
 from meso_robust.errors import NotApplicableError
@@ -30,11 +31,20 @@ def plan(
     allow()
     file = task or PAPER
     try:
-        found = run.saved(written(**run.of(call, task=file)), task=file)
+        names = written(**run.of(call, task=file))
+        found: Planned = run.saved(names, task=file, check=False)
     except NotApplicableError as error:
         unplanned(run, file, error, "plan")
-    if found.checked is None:  # of an earlier plan
-        (run.out / CHECKED).unlink(missing_ok=True)
+    (run.out / CHECKED).unlink(missing_ok=True)  # of an earlier plan
+    if not run.given["check"]:
+        return found
+    try:  # the plan is kept, whatever becomes of its check
+        found = with_check(found, run.say)
+    except KeyboardInterrupt:
+        kept = f"the plan is in {run.out}, its certificate is not checked"
+        print(f"meso-robust: interrupted; {kept}", file=sys.stderr)
+        raise typer.Exit(INTERRUPTED) from None
+    found.save(run.out, progress=run.say)
     return found
 
 

@@ -80,8 +80,10 @@ def verified_words(checker: Verified) -> str:
         A sentence, without its full stop.
     """
     refused = checker.refused
-    if refused is None:
+    if checker.positive:
         return f"checked: {checker.verdict}, by formulas and arithmetic of the checker's own"
+    if refused is None:
+        return f"checked: {checker.verdict}: {checker.claims}"
     return (
         f"checked: {checker.verdict} at {refused.claim}, where {refused.stated} is stated and "
         f"{refused.found} was found: the proof is not confirmed, so do not rely on this plan; state "

@@ -105,7 +105,7 @@ def report(result: Planned, promise: Promise | None = None, checker: Verified | 
                 verb="plan",
                 subject=certificate.task,
                 word=said.verdict,
-                colour=said.verdict if checker is None or checker.positive else "UNKNOWN",
+                colour=said.verdict if checker is None or checker.refused is None else "UNKNOWN",
                 meaning=said.meaning if checker is None else f"{said.meaning} {_told(checker)}",
                 figures=said.figures,
             ),

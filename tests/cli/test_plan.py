@@ -61,8 +61,36 @@ def test_a_plan_is_verified_if_that_is_asked(tmp_path: Path) -> None:
     assert "checked: VERIFIED" in asked.stdout
     assert json.loads((tmp_path / "check.json").read_text())["verdict"] == "VERIFIED"
     assert "Checked: VERIFIED" in (tmp_path / "report.html").read_text(encoding="utf-8")
-    assert "checked" not in planned().stdout
+    assert planned("--quiet").stdout == "PROVED\n"
     assert not (tmp_path / "check.json").exists()  # said of another certificate
+
+
+@pytest.mark.parametrize(
+    ("fault", "status"), [(KeyboardInterrupt(), 130), (RuntimeError("of the checker"), 1)]
+)
+def test_a_plan_is_kept_whatever_becomes_of_its_check(
+    fault: BaseException, status: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def faulty(*_: object, **__: object) -> None:
+        raise fault
+
+    monkeypatch.setattr("meso_robust.api.check.check", faulty)
+    options = ["--check", "--samples", "5", "--out", str(tmp_path)]
+    result = RUNNER.invoke(app, ["plan", *options])
+    assert result.exit_code == status
+    if status == 130:
+        assert "its certificate is not checked" in result.stderr
+    assert (tmp_path / "certificate.json").exists()
+    assert not (tmp_path / "check.json").exists()
+
+
+def test_a_plan_that_fails_is_checked_too(tmp_path: Path) -> None:
+    task = task_file(tmp_path, "friction = [0.30, 0.36]", "friction = [0.05, 0.9]")
+    task.write_text(task.read_text().replace("[probe]", '[probe]\nheadings = ["-x"]'))
+    options = ["--check", "--samples", "100", "--out", str(tmp_path / "out")]
+    result = RUNNER.invoke(app, ["plan", str(task), *options])
+    assert result.exit_code == 1, result.output
+    assert "checked: WITNESS" in result.stdout
 
 
 def test_plan_moves_follow_the_contract(proved: tuple[Any, Path]) -> None:
