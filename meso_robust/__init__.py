@@ -23,7 +23,8 @@ TYPE_CHECKING = False  # as in `typing`, which takes longer to import than the r
 
 if TYPE_CHECKING:
     from meso_robust.api.campaign import Campaigned as Campaigned, campaign as campaign
-    from meso_robust.api.check import Checked as Checked, check as check
+    from meso_robust.api.check import check as check
+    from meso_robust.api.checked import Checked as Checked
     from meso_robust.api.diagnose import Diagnosed as Diagnosed, diagnose as diagnose
     from meso_robust.api.drive import Driver as Driver, drive as drive
     from meso_robust.api.identify import (
@@ -57,7 +58,8 @@ __version__ = "0.1.0"
 
 _MODULES = {
     "api.campaign": ("Campaigned", "campaign"),
-    "api.check": ("Checked", "check"),
+    "api.check": ("check",),
+    "api.checked": ("Checked",),
     "api.diagnose": ("Diagnosed", "diagnose"),
     "api.drive": ("Driver", "drive"),
     "api.identify": ("Identified", "StandardTests", "identify", "standard_tests"),

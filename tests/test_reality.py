@@ -16,7 +16,6 @@ from typer.testing import CliRunner
 from meso_robust.cli import app
 from meso_robust.microscope import Exposure, Oil, Part, Probe, Scene, film
 from meso_robust.simulator import Film, Push, Round, exact
-from tests.nightly import by_day
 
 HALF_LONG, HALF_SHORT, RADIUS = 808e-6, 418.5e-6, 12.5e-6
 PART = np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]]) * [HALF_LONG, HALF_SHORT]
@@ -74,9 +73,7 @@ def found(tmp_path_factory: pytest.TempPathFactory) -> dict[str, dict[str, float
     return answer["parameters"]
 
 
-@pytest.mark.parametrize(
-    ("key", "truth"), by_day(1, [("rho_um2", FILM_RATIO_UM2), ("mu", FRICTION)])
-)
+@pytest.mark.parametrize(("key", "truth"), [("rho_um2", FILM_RATIO_UM2), ("mu", FRICTION)])
 def test_video_gives_back_the_parameters_that_moved_the_part(
     found: dict[str, dict[str, float]], key: str, truth: float
 ) -> None:

@@ -17,7 +17,7 @@ from meso_robust.api.result import Result, text_of
 from meso_robust.errors import InputError, NotApplicableError
 
 if TYPE_CHECKING:
-    from meso_robust.api.check import Checked
+    from meso_robust.api.checked import Checked
     from meso_robust.bounds import VerdictWord
     from meso_robust.certificates.document import CertificateDocument
     from meso_robust.certificates.margin import Margin
@@ -76,8 +76,7 @@ class Planned(Result):
     @property
     def brief(self) -> str:
         """The verdict, and the checker's if it was asked."""
-        said = (self.verdict, *(() if self.checked is None else (self.checked.verdict,)))
-        return ", ".join(said)
+        return self.verdict if self.checked is None else f"{self.verdict}, {self.checked.brief}"
 
     @property
     def plan(self) -> PlanDocument:
@@ -125,7 +124,8 @@ class Planned(Result):
     def _repr_html_(self) -> str:
         from meso_robust.reporting.cards import planned_card
 
-        return planned_card(self.result, self.promise, str(self))
+        checker = None if self.checked is None else self.checked.answer
+        return planned_card(self.result, self.promise, checker, str(self))
 
     def files(self) -> dict[str, str]:
         """The texts of all result files by name, such as ``plan.json``."""
@@ -138,6 +138,7 @@ class Planned(Result):
                 self.result, self.promise, None if self.checked is None else self.checked.answer
             ),
             **self.more,
+            **({} if self.checked is None else self.checked.files()),
         }
 
 
@@ -374,10 +375,11 @@ def with_check(made: Planned, progress: Progress = SILENT) -> Planned:
     Planned
         The same, ``checked``, with ``check.json`` among its files.
     """
-    from meso_robust.api.check import check
+    from meso_robust.api.checked import accepted, checked
 
-    checked = check(made.certificate, made.task, progress=progress)
-    return replace(made, checked=checked, more={**made.more, **checked.files()})
+    task = made.task
+    found = checked(lambda: accepted(made.certificate, task), task, progress=progress)
+    return replace(made, checked=found)
 
 
 def _widest(task: TaskGiven, result: Judged) -> dict[str, str]:

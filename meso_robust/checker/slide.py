@@ -60,7 +60,7 @@ LONG, SHORT = 7e-2, 7e-3
 """Of the width between the pushed edges; pieces are at most and, if they are no barrier, at least about
 as long."""
 CUTS, HALVED = 6, 1
-"""How often a box is cut in two before a steeper slope is tried: for a closer bound, and where it is
+"""How often a box is cut in two before a steeper slope is tried, or a force is bounded otherwise: for a closer bound, and where it is
 open which tip is slipped over which way."""
 CLOSE, ROUGH = 2e-5, 0.3
 """How closely the least lead of a barrier over all motions is bounded: a slope, like the next two, and a
@@ -76,7 +76,8 @@ MOST_PARTS = 8
 FINER, TRIES = 1, 36
 """How often pieces are cut, and cut or made steeper."""
 STRETCH, LONGER = 2, 2.0
-"""Pieces that are looked at together, before they are cut; by how much they may be longer than the last."""
+"""Pieces that are looked at together, before they are cut; how many times as long as the last one they may
+be at first."""
 STEP = 2e-3
 """Of the width; a piece that would have to rise by more is cut later, too: the path comes near a slide."""
 STARTS = 5
@@ -453,7 +454,7 @@ class _Barrier:
         self.landed = min(_beyond(one.h[0], -1) for one in starts)
 
     def pieces(self, top: float, landed: float, near: float, bottom: float) -> list[Curve]:
-        """The whole barrier; each piece holds every start on it, the last one every end.
+        """The whole barrier; its first stretch holds every start, the last piece every end.
 
         Stretch by stretch: what is found to be behind is moved before what comes after it is looked at.
         """

@@ -7,7 +7,8 @@ from typing import Annotated
 
 import typer
 
-from meso_robust.api.check import Checked, check as call
+from meso_robust.api.check import check as call
+from meso_robust.api.checked import Checked
 from meso_robust.cli.verb import Run, verb
 from meso_robust.tasks import PAPER
 

@@ -10,6 +10,7 @@ import typer
 
 from meso_robust.api.plan import Planned, plan as call, with_check
 from meso_robust.cli.console import INTERRUPTED, negative, note
+from meso_robust.cli.running import is_interruption
 from meso_robust.cli.verb import Run, verb
 from meso_robust.copies import allow
 from meso_robust.errors import NotApplicableError
@@ -40,22 +41,21 @@ def plan(
         return found
     try:  # the plan is kept, whatever becomes of its check
         found = with_check(found, run.say)
-    except KeyboardInterrupt:
+        found.save(run.out, progress=run.say)
+    except (KeyboardInterrupt, Exception) as error:
+        if not is_interruption(error):
+            raise
         kept = f"the plan is in {run.out}, its certificate is not checked"
         print(f"meso-robust: interrupted; {kept}", file=sys.stderr)
         raise typer.Exit(INTERRUPTED) from None
-    found.save(run.out, progress=run.say)
     return found
 
 
-def written(
-    *, model: object, widest: bool, policy: bool, maps: bool, check: bool, **_: object
-) -> list[str]:
-    """Names of the files that will be written (but the drawings of the maps)."""
-    names = [*RESULTS]
+def written(*, model: object, widest: bool, policy: bool, maps: bool, **_: object) -> list[str]:
+    """Names of the files that will be written or removed (but the drawings of the maps)."""
+    names = [*RESULTS, CHECKED]
     names += ["task.toml"] if widest or model is not None else []
     names += ["premises.json"] if model is not None else []
-    names += [CHECKED] if check else []
     names += ["policy.json", "policy.md", "region.svg"] if policy else []
     return [*names, "admissible.json"] if maps else names
 

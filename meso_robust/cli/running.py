@@ -43,7 +43,7 @@ def guarded(verb: Callable[_P, _R], interrupted: str = UNWRITTEN) -> Callable[_P
         except typer.Exit:
             raise
         except (KeyboardInterrupt, Exception) as error:
-            if not _is_interruption(error):
+            if not is_interruption(error):
                 raise
             print(f"meso-robust: interrupted; {interrupted}", file=sys.stderr)
             raise typer.Exit(INTERRUPTED) from None
@@ -51,8 +51,19 @@ def guarded(verb: Callable[_P, _R], interrupted: str = UNWRITTEN) -> Callable[_P
     return run
 
 
-def _is_interruption(error: BaseException | None) -> bool:
-    """Whether Ctrl-C is at the root of an error: compiled code hands it on as an error of its own."""
+def is_interruption(error: BaseException | None) -> bool:
+    """Whether Ctrl-C is at the root of an error: compiled code hands it on as an error of its own.
+
+    Parameters
+    ----------
+    error
+        The error.
+
+    Returns
+    -------
+    bool
+        True if it is Ctrl-C, or follows from it.
+    """
     while error is not None:
         if isinstance(error, KeyboardInterrupt):
             return True

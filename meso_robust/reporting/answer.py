@@ -44,6 +44,8 @@ class Answer:
     """What the banner says."""
 
     verdict: VerdictWord
+    colour: VerdictWord
+    """Of the verdict, or of what is not known where the checker rejected it."""
     meaning: str
     figures: Figures
     """Name and value."""
@@ -51,13 +53,37 @@ class Answer:
     witness: Witness | None
 
 
-def answer(result: Planned, promise: Promise | None = None) -> Answer:
-    """Put the answer together; ``promise`` is what a fitted model made of the task, if there is one."""
+def answer(
+    result: Planned, promise: Promise | None = None, checker: Verified | None = None
+) -> Answer:
+    """Put the answer together.
+
+    Parameters
+    ----------
+    result
+        Everything that ``plan`` found out.
+    promise
+        What a fitted model made of the task, if there is one.
+    checker
+        What the checker says of the certificate, if it was asked.
+
+    Returns
+    -------
+    Answer
+        What the page leads with.
+    """
     certificate = result.certificate
-    witness = certificate.witness
+    witness, meaning = (
+        certificate.witness,
+        _meaning(certificate.verdict, promise).format(tips=result.task.tips),
+    )
+    if checker is not None:
+        told = verified_words(checker)
+        meaning = f"{meaning} {told[0].upper()}{told[1:].removesuffix('.')}."
     return Answer(
         verdict=certificate.verdict,
-        meaning=_meaning(certificate.verdict, promise).format(tips=result.task.tips),
+        colour=certificate.verdict if checker is None or checker.refused is None else "UNKNOWN",
+        meaning=meaning,
         figures=_figures(result) if promise is None else _promised(result, promise),
         open=_open(result),
         witness=None
@@ -84,10 +110,14 @@ def verified_words(checker: Verified) -> str:
         return f"checked: {checker.verdict}, by formulas and arithmetic of the checker's own"
     if refused is None:
         return f"checked: {checker.verdict}: {checker.claims}"
+    what = (
+        "the proof is not confirmed, so do not rely on this plan; state narrower uncertainties or another start"
+        if checker.claims == "PROVED"
+        else "what the certificate says of this plan is not confirmed"
+    )
     return (
         f"checked: {checker.verdict} at {refused.claim}, where {refused.stated} is stated and "
-        f"{refused.found} was found: the proof is not confirmed, so do not rely on this plan; state "
-        "narrower uncertainties or another start"
+        f"{refused.found} was found: {what}"
     )
 
 

@@ -66,7 +66,9 @@ _RECORDINGS = {
 }
 
 
-def planned_card(result: Planned, promise: Promise | None, text: str) -> str:
+def planned_card(
+    result: Planned, promise: Promise | None, checker: Checked | None, text: str
+) -> str:
     """A judged plan: the way of the part from the start to the goal.
 
     Parameters
@@ -75,6 +77,8 @@ def planned_card(result: Planned, promise: Promise | None, text: str) -> str:
         The plan and all that is known of it.
     promise
         What a fitted model made of the task; None without one.
+    checker
+        What the checker says of the certificate; None if it was not asked.
     text
         The answer as it is printed.
 
@@ -83,10 +87,10 @@ def planned_card(result: Planned, promise: Promise | None, text: str) -> str:
     str
         The card, HTML that can stand in any page.
     """
-    said, label = answer(result, promise), "The whole plan"
+    said, label = answer(result, promise, checker), "The whole plan"
     return cards.card(
         word=said.verdict,
-        colour=said.verdict,
+        colour=said.colour,
         about=result.task.name,
         meaning=said.meaning,
         figures=said.figures,

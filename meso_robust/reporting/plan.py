@@ -8,7 +8,7 @@ from meso_robust.even_film import remarks
 from meso_robust.laboratory.running import excess
 from meso_robust.pipeline import Planned
 from meso_robust.reporting import pages, rows
-from meso_robust.reporting.answer import answer, verified_words
+from meso_robust.reporting.answer import answer
 from meso_robust.reporting.conditions import LETTERS_SAID, conditions
 from meso_robust.reporting.plan_figures import move_figure, overview_figure
 from meso_robust.reporting.reading import Standing, ending, endings, standings, through
@@ -47,10 +47,11 @@ def report(result: Planned, promise: Promise | None = None, checker: Verified | 
     """
     certificate, said, ran = (
         result.certificate,
-        answer(result, promise),
+        answer(result, promise, checker),
         result.certificate.simulation,
     )
     within = "" if result.search_s is None else f" --search-s {result.search_s:g}"
+    checked = "" if checker is None else " --check"
     pictures = {
         "moves": [_move(result, index) for index in range(len(result.found.rules))],
         "overview": _overview(result),
@@ -105,8 +106,8 @@ def report(result: Planned, promise: Promise | None = None, checker: Verified | 
                 verb="plan",
                 subject=certificate.task,
                 word=said.verdict,
-                colour=said.verdict if checker is None or checker.refused is None else "UNKNOWN",
-                meaning=said.meaning if checker is None else f"{said.meaning} {_told(checker)}",
+                colour=said.colour,
+                meaning=said.meaning,
                 figures=said.figures,
             ),
             lead=body.claim(),
@@ -122,7 +123,7 @@ def report(result: Planned, promise: Promise | None = None, checker: Verified | 
                 pages.section(body, "derivations", "Derivations"),
             ),
             made=pages.made(
-                f"meso-robust plan TASK.toml --samples {ran.samples} --seed {ran.seed}{within}",
+                f"meso-robust plan TASK.toml --samples {ran.samples} --seed {ran.seed}{within}{checked}",
                 ("task hash (SHA-256)", pages.code(certificate.task_hash)),
                 after=" with the task file of this hash",
                 using=certificate.made_with,
@@ -131,11 +132,6 @@ def report(result: Planned, promise: Promise | None = None, checker: Verified | 
             scripted=True,
         )
     )
-
-
-def _told(checker: Verified) -> str:
-    words = verified_words(checker)
-    return f"{words[0].upper()}{words[1:]}."
 
 
 def _figure(name: str, title: str, caption: str, drawing: Picture) -> pages.Figure:

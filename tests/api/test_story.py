@@ -57,7 +57,10 @@ def test_check(story: Story, planned: mr.Planned) -> None:
     doubted = replace(planned, checked=rejected)
     assert (planned.positive, doubted.positive, doubted.proved) == (True, False, True)
     assert "checked: REJECTED at " in str(doubted)
-    assert "do not rely on this plan" in doubted.files()["report.html"]
+    files = doubted.files()
+    assert "do not rely on this plan" in files["report.html"]
+    assert json.loads(files["check.json"])["verdict"] == "REJECTED"
+    assert "REJECTED" in doubted._repr_html_()
     changed.unlink()  # the folder is compared with another
 
 

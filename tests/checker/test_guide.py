@@ -10,7 +10,6 @@ import pytest
 from tests.checker.test_check import checked, relisted
 from tests.checker.test_walls import certificate, obligation, refusal
 from tests.guided import guided_task
-from tests.nightly import by_day
 
 Document = dict[str, Any]
 GUIDED = 1
@@ -40,14 +39,11 @@ def test_it_is_not_said_to_be_clear_of_walls(document: Document) -> None:
 
 @pytest.mark.parametrize(
     ("changes", "lacks"),
-    by_day(
-        1,
-        [
-            ({"slot__friction": 0.1}, "edge_turns_back/upper"),
-            ({"slot__depth_um": 1110.0}, "part_in_slot"),
-            ({"slot__opens": "-y", "slot__mouth_y_um": -4000.0}, "guide_covered"),
-        ],
-    ),
+    [
+        ({"slot__friction": 0.1}, "edge_turns_back/upper"),
+        ({"slot__depth_um": 1110.0}, "part_in_slot"),
+        ({"slot__opens": "-y", "slot__mouth_y_um": -4000.0}, "guide_covered"),
+    ],
 )
 def test_another_slot_is_rejected(document: Document, changes: Document, lacks: str) -> None:
     """The first push is left as it is, or it would be what is refused."""

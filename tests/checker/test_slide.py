@@ -17,6 +17,7 @@ from meso_robust.checker.grip import D, Drag, Grip, S, Sides
 from meso_robust.checker.ranges import Box, Side, whole
 from meso_robust.checker.rows import Boxes, boxes_of
 from meso_robust.checker.slide import (
+    STRETCH,
     Between,
     Cubic,
     Curve,
@@ -283,9 +284,10 @@ def test_every_piece_holds_the_turns_that_begin_on_it(which: int, pieces: int) -
 def test_grips_of_many_pieces_are_those_of_each(
     name: str, tubes: dict[str, tuple[Piece, ...]]
 ) -> None:
-    """Values and slopes in arrays hold those in balls, at points and at the middles of boxes."""
+    """Values and slopes in arrays hold those in balls: at points, over boxes and at their middles."""
     ranges = {**{"round": ROUND, "moving": MOVING}[name], "done": (0.1, 0.8), "share": (0.2, 0.9)}
     rng = np.random.default_rng(1)
+    assert any(one.first < one.lower.first for one in tubes[name])  # shorter than its curve
     for tip in (D, S):
         pieces = [one for one in tubes[name] if one.lower.tip == one.upper.tip == tip]
         assert pieces
@@ -297,10 +299,11 @@ def test_grips_of_many_pieces_are_those_of_each(
             some = Boxes(boxes.names, low, high) if wide else Boxes(boxes.names, at, at)
             which = np.tile(np.arange(len(pieces)), 2)
             many = between.grip({**exact, **some.points()}, places, which)
-            for k, piece in enumerate(pieces):
+            middle = np.clip(0.5 * (some.low + some.high), some.low, some.high)
+            for k, place in enumerate(np.hstack([at, middle]).T):  # a column each, as in rows
                 point = {n: Dual(whole(ends)) for n, ends in box_of(ranges).items()}
-                point |= {n: Dual(arb(float(at[j, k])), {n: arb(1)}) for n, j in places.items()}
-                one = piece.grip(point)
+                point |= {n: Dual(arb(float(place[j])), {n: arb(1)}) for n, j in places.items()}
+                one = pieces[k % len(pieces)].grip(point)
                 for of in ("T", "s", "b", "D_place"):
                     rows, true = getattr(many, of), getattr(one, of)
                     assert held_by(rows.ends[:, 0, k], true.value), (of, k)
@@ -309,8 +312,30 @@ def test_grips_of_many_pieces_are_those_of_each(
 
 
 def held_by(ends: Floats, value: arb) -> bool:
-    """Whether ends as in :class:`Rows` hold a number, but for what its ball is wide by."""
+    """Whether ends as in :class:`Rows` hold a number of which a ball is known, as far as the ball tells."""
     return bool(-ends[0] <= value.upper() and value.lower() <= ends[1])
+
+
+@pytest.mark.parametrize("end", ["lower", "upper"])
+@pytest.mark.parametrize("name", ["points", "round", "moving"])
+def test_curves_go_on_where_the_last_one_ends(
+    name: str, end: str, tubes: dict[str, tuple[Piece, ...]]
+) -> None:
+    """Or beyond it, at all corners of the constants that were drawn, whichever tip they are ahead of."""
+    ranges = {"points": POINTS, "round": ROUND, "moving": MOVING}[name]
+    curves = list({getattr(one, end).key: getattr(one, end) for one in tubes[name]}.values())
+    assert len(curves) > 2 * STRETCH
+    rng, sign = np.random.default_rng(2), 1 if end == "upper" else -1
+    drawn = [{n: dual(float(rng.choice(e))) for n, e in ranges.items()} for _ in range(20)]
+    for before, after in itertools.pairwise(curves):
+        assert before.last == after.first
+        for numbers in drawn:
+            at = {**numbers, "stray": numbers.get("stray", dual(0.0))}
+            old, new = (
+                -grip_of(at, dual(before.last), one.tip, one.at(dual(done), at)).b
+                for one, done in ((before, 1.0), (after, 0.0))
+            )
+            assert float((new - old).value) * sign > -1e-15
 
 
 def test_the_tube_is_hardly_wider_than_the_motions(tubes: dict[str, tuple[Piece, ...]]) -> None:

@@ -66,20 +66,25 @@ def test_a_plan_is_verified_if_that_is_asked(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("fault", "status"), [(KeyboardInterrupt(), 130), (RuntimeError("of the checker"), 1)]
+    ("fault", "wrapped"),
+    [(KeyboardInterrupt(), False), (KeyboardInterrupt(), True), (ValueError(), False)],
 )
 def test_a_plan_is_kept_whatever_becomes_of_its_check(
-    fault: BaseException, status: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    fault: BaseException, wrapped: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     def faulty(*_: object, **__: object) -> None:
+        if wrapped:  # as compiled code hands it on
+            raise SystemError from fault
         raise fault
 
-    monkeypatch.setattr("meso_robust.api.check.check", faulty)
+    monkeypatch.setattr("meso_robust.api.checked.checked", faulty)
     options = ["--check", "--samples", "5", "--out", str(tmp_path)]
     result = RUNNER.invoke(app, ["plan", *options])
-    assert result.exit_code == status
-    if status == 130:
+    if isinstance(fault, KeyboardInterrupt):
+        assert result.exit_code == 130
         assert "its certificate is not checked" in result.stderr
+    else:
+        assert result.exception is fault
     assert (tmp_path / "certificate.json").exists()
     assert not (tmp_path / "check.json").exists()
 

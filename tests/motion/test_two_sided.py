@@ -24,7 +24,6 @@ from meso_robust.motion.two_sided import (
     rate_at,
 )
 from tests.motion.two_contacts import Floats, Part, State, gripped, push, solutions
-from tests.nightly import by_day
 
 UM = 1e-6
 STEP = 4 * UM
@@ -280,7 +279,7 @@ def test_a_tube_with_stops_holds_to_the_last_one_at_which_a_travel_may_end() -> 
         assert [one.status for one in alone] == [TubeStatus.COMPLETE, TubeStatus.OFF_EDGE]
 
 
-@pytest.mark.parametrize("name", by_day(2, ["kappa", "radius_far", "drag_a", "drag_n", "shear"]))
+@pytest.mark.parametrize("name", ["kappa", "radius_far", "drag_a", "drag_n", "shear"])
 def test_a_wrong_sign_is_seen(name: str) -> None:
     """Known constants give a tube so narrow that a motion with one of them reversed leaves it."""
     sharp = known_well(um(80, 80.01))

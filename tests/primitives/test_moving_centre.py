@@ -26,7 +26,7 @@ from tests.checker.test_turns import (
     rule as stated,
     task,
 )
-from tests.nightly import at_night, by_day
+from tests.nightly import by_day
 
 ROOM = 3e-8
 """m and rad: what the integration of a push is off by."""
@@ -61,7 +61,7 @@ def outside(pose: Vector, box: PoseBox | None) -> float:
     return max(max(side.lo - value, value - side.hi) for value, side in sides)
 
 
-@pytest.mark.parametrize("more", by_day(1, [pytest.param([], marks=at_night), [LITTLE]]))
+@pytest.mark.parametrize("more", by_day(1, [[LITTLE], []]))
 def test_pushes_end_in_the_proved_boxes_wherever_the_centre_is_at_each_instant(
     more: list[dict[str, dict[str, Any]]],
 ) -> None:

@@ -223,8 +223,8 @@ def test_identify_may_fit_noise_that_nobody_knows() -> None:
 @pytest.mark.skipif(not REAL.is_dir(), reason="the public recordings are not here")
 @pytest.mark.parametrize(
     "folder",
-    by_day(2, ["cmu_two_finger/bigrect_3pts_20_neg30_90", "cmu_two_finger/tri_0_0_90",
-     "cmu_support_points/patch", "mit_plywood"]),
+    by_day(2, ["mit_plywood", "cmu_two_finger/tri_0_0_90",
+     "cmu_support_points/patch", "cmu_two_finger/bigrect_3pts_20_neg30_90"]),
 )  # fmt: skip
 def test_real_sets_are_judged_as_a_diagnosis_takes_them(folder: str) -> None:
     found = checked(REAL / folder, None, repair=False)

@@ -29,7 +29,6 @@ from meso_robust.transfer.lines import LINES
 from meso_robust.transfer.promise import Promise, model_hash, promise
 from meso_robust.transfer.running import Evidence
 from tests.conftest import paper_task
-from tests.nightly import by_day
 from tests.strategies import paper_chain
 from tests.transfer.models import budget, model, values
 from tests.transfer.plans import SAMPLES, share
@@ -331,14 +330,11 @@ def half_open(low: float | None, high: float | None, value: float) -> ModelDocum
 
 @pytest.mark.parametrize(
     ("low", "high", "expected", "side"),
-    by_day(
-        1,
-        [
-            (0.325, None, [0.325, 0.36], "the upper end"),
-            (None, 0.335, [0.3, 0.335], "the lower end"),
-            (None, None, [0.3, 0.36], "agree with it"),
-        ],
-    ),
+    [
+        (0.325, None, [0.325, 0.36], "the upper end"),
+        (None, 0.335, [0.3, 0.335], "the lower end"),
+        (None, None, [0.3, 0.36], "agree with it"),
+    ],
 )
 def test_the_task_lends_the_ends_of_friction_that_the_recordings_leave_open(
     low: float | None, high: float | None, expected: list[float], side: str

@@ -34,7 +34,6 @@ from meso_robust.planning.compose import robust_at
 from meso_robust.primitives.certify import certify_move
 from meso_robust.primitives.setup import Setup, setup_of
 from meso_robust.simulator import Film, simulate
-from tests.nightly import by_day
 
 BUDGET = {
     "formula-values": 100,
@@ -224,7 +223,7 @@ def test_an_engine_that_prefers_a_side(monkeypatch: Patch) -> None:
 
 
 @pytest.mark.parametrize(
-    "name", by_day(1, ["certified-is-kept", "failing-is-not-certified", "planned-is-kept"])
+    "name", ["certified-is-kept", "failing-is-not-certified", "planned-is-kept"]
 )
 def test_a_certificate_for_smaller_uncertainties(monkeypatch: Patch, name: str) -> None:
     right = certify

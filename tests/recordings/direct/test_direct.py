@@ -15,7 +15,6 @@ from meso_robust.recordings.direct.clocks import Stream, clock_test, regular_clo
 from meso_robust.recordings.direct.finding import Finding
 from meso_robust.recordings.direct.run import DirectTests, direct_tests
 from meso_robust.recordings.direct.straight import straight_test
-from tests.nightly import by_day
 from tests.recordings.direct.generator import (
     HALF_LONG,
     HALF_SHORT,
@@ -68,7 +67,7 @@ def near(one: Finding, *truth: float, within: float) -> None:
     assert values == pytest.approx(truth, abs=within)
 
 
-@pytest.mark.parametrize("seed", by_day(2, range(4)))
+@pytest.mark.parametrize("seed", range(4))
 def test_nothing_is_found_where_nothing_is_wrong(seed: int) -> None:
     tests = direct_tests(pushed(seed))
     assert tests.findings == ()
@@ -91,15 +90,12 @@ def test_offset_shift_and_yaw_are_told_apart() -> None:
 
 @pytest.mark.parametrize(
     ("camera", "effect", "truth", "within"),
-    by_day(
-        3,
-        [
-            ({"late_s": 0.06}, "camera_latency", (60.0,), 6.0),
-            ({"turn_deg": 0.5}, "camera_rotation", (0.5,), 0.1),
-            ({"stretch_percent": (0.0, 2.3)}, "camera_anisotropy", (0.0, 2.3), 0.25),
-            ({"stretch_percent": (1.5, 1.5)}, "camera_scale", (1.5,), 0.2),
-        ],
-    ),
+    [
+        ({"late_s": 0.06}, "camera_latency", (60.0,), 6.0),
+        ({"turn_deg": 0.5}, "camera_rotation", (0.5,), 0.1),
+        ({"stretch_percent": (0.0, 2.3)}, "camera_anisotropy", (0.0, 2.3), 0.25),
+        ({"stretch_percent": (1.5, 1.5)}, "camera_scale", (1.5,), 0.2),
+    ],
 )
 def test_a_wrong_camera_is_found_by_tip_and_face(
     camera: dict[str, Any], effect: str, truth: tuple[float, ...], within: float
@@ -194,15 +190,12 @@ def test_one_late_stamp_is_seen_and_does_not_move_the_clock() -> None:
 
 @pytest.mark.parametrize(
     ("camera", "slip", "words"),
-    by_day(
-        2,
-        [
-            ({}, lambda p, t: (p * [1, 1, DEG], t), "θ in rad"),
-            ({}, lambda p, t: (p, t * [1, -1]), "y of the tips has the other sign"),
-            ({}, lambda p, t: (p, t[..., ::-1]), "x and y of the tips are exchanged"),
-            ({}, lambda p, t: (p, t + 250.0), "shifted"),
-        ],
-    ),
+    [
+        ({}, lambda p, t: (p * [1, 1, DEG], t), "θ in rad"),
+        ({}, lambda p, t: (p, t * [1, -1]), "y of the tips has the other sign"),
+        ({}, lambda p, t: (p, t[..., ::-1]), "x and y of the tips are exchanged"),
+        ({}, lambda p, t: (p, t + 250.0), "shifted"),
+    ],
 )
 def test_a_slip_is_named(camera: dict[str, Any], slip: object, words: str) -> None:
     stage = Stage(8, Camera(**camera))
