@@ -11,9 +11,11 @@ from typing import Any
 import pytest
 from typer.testing import CliRunner
 
+from meso_robust.checker.verdict import Answer as Verified
 from meso_robust.cli import app
 from meso_robust.laboratory.making import outline as original
 from meso_robust.pipeline import SimulatorContradictsProofError
+from meso_robust.reporting.answer import verified_words
 from meso_robust.tasks import PAPER
 from tests.nightly import at_night
 
@@ -89,6 +91,12 @@ def test_a_plan_is_kept_whatever_becomes_of_its_check(
     assert not (tmp_path / "check.json").exists()
 
 
+def test_what_the_checker_says_of_a_plan_that_fails_is_told() -> None:
+    said = verified_words(Verified(verdict="WITNESS CONFIRMED", claims="the plan fails"))
+    assert said == "checked: WITNESS CONFIRMED: the plan fails"
+
+
+@at_night  # a search of its own
 def test_a_plan_that_fails_is_checked_too(tmp_path: Path) -> None:
     task = task_file(tmp_path, "friction = [0.30, 0.36]", "friction = [0.05, 0.9]")
     task.write_text(task.read_text().replace("[probe]", '[probe]\nheadings = ["-x"]'))
