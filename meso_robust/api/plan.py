@@ -112,7 +112,7 @@ class Planned(Result):
             return found
         from meso_robust.reporting.answer import verified_words
 
-        return f"{found}\n{verified_words(self.checked.answer)}"
+        return f"{found}\n{verified_words(self.checked.answer, self.verdict)}"
 
     def __repr__(self) -> str:
         from meso_robust.wording import counted

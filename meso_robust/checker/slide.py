@@ -60,8 +60,8 @@ LONG, SHORT = 7e-2, 7e-3
 """Of the width between the pushed edges; pieces are at most and, if they are no barrier, at least about
 as long."""
 CUTS, HALVED = 6, 1
-"""How often a box is cut in two before a steeper slope is tried, or a force is bounded otherwise: for a closer bound, and where it is
-open which tip is slipped over which way."""
+"""How often a box is cut in two before something else is tried (a steeper slope, or balls): for a closer
+bound, and where it is open which tip is slipped over which way."""
 CLOSE, ROUGH = 2e-5, 0.3
 """How closely the least lead of a barrier over all motions is bounded: a slope, like the next two, and a
 share of a lead that is negative."""

@@ -78,7 +78,7 @@ def answer(
         _meaning(certificate.verdict, promise).format(tips=result.task.tips),
     )
     if checker is not None:
-        told = verified_words(checker)
+        told = verified_words(checker, certificate.verdict)
         meaning = f"{meaning} {told[0].upper()}{told[1:].removesuffix('.')}."
     return Answer(
         verdict=certificate.verdict,
@@ -92,13 +92,15 @@ def answer(
     )
 
 
-def verified_words(checker: Verified) -> str:
+def verified_words(checker: Verified, stated: VerdictWord) -> str:
     """What the checker says of a certificate.
 
     Parameters
     ----------
     checker
         Its answer.
+    stated
+        The certificate's own verdict.
 
     Returns
     -------
@@ -112,7 +114,7 @@ def verified_words(checker: Verified) -> str:
         return f"checked: {checker.verdict}: {checker.claims}"
     what = (
         "the proof is not confirmed, so do not rely on this plan; state narrower uncertainties or another start"
-        if checker.claims == "PROVED"
+        if stated == "PROVED"
         else "what the certificate says of this plan is not confirmed"
     )
     return (

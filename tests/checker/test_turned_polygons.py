@@ -17,7 +17,7 @@ from meso_robust.checker.verdict import BITS, Answer
 from meso_robust.primitives.setup import setup_of
 from meso_robust.task import PolygonPart, Task
 from tests.checker.test_check import checked
-from tests.nightly import at_night, by_day
+from tests.nightly import at_night
 from tests.polygons import certificate
 from tests.turned_polygons import LONG_L, changed, turned
 
@@ -60,7 +60,7 @@ ALTERED = {
 }
 
 
-@pytest.mark.parametrize("what", by_day(2, ALTERED))
+@pytest.mark.parametrize("what", ALTERED)
 def test_another_part_is_rejected(what: str) -> None:
     refusal(checked(document(), altered(*ALTERED[what])))
 

@@ -40,7 +40,7 @@ from meso_robust.primitives.move import MoveRule
 from meso_robust.primitives.setup import setup_of
 from meso_robust.task import Slot, Task, load_task
 from tests.checker.test_check import checked, relisted
-from tests.nightly import at_night, by_day
+from tests.nightly import at_night
 from tests.slot import SLOT, point_slot
 
 Document = dict[str, Any]
@@ -133,14 +133,11 @@ def test_round_tips_bring_the_part_into_the_shipped_slot_from_close_by() -> None
 
 @pytest.mark.parametrize(
     "change",
-    by_day(
-        1,
-        [
-            {"width_um": 905.0},
-            {"mouth_y_um": 40.0},
-            {"depth_um": 1110.0},
-        ],
-    ),
+    [
+        {"width_um": 905.0},
+        {"mouth_y_um": 40.0},
+        {"depth_um": 1110.0},
+    ],
 )
 def test_walls_in_the_way_are_rejected(slot_document: Document, change: Document) -> None:
     assert refusal(answer(slot_document, **change)) == "part_clear_of_walls"

@@ -92,7 +92,7 @@ def test_a_plan_is_kept_whatever_becomes_of_its_check(
 
 
 def test_what_the_checker_says_of_a_plan_that_fails_is_told() -> None:
-    said = verified_words(Verified(verdict="WITNESS CONFIRMED", claims="the plan fails"))
+    said = verified_words(Verified(verdict="WITNESS CONFIRMED", claims="the plan fails"), "REFUTED")
     assert said == "checked: WITNESS CONFIRMED: the plan fails"
 
 

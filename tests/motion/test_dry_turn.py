@@ -12,7 +12,6 @@ from meso_robust.bounds import Interval
 from meso_robust.errors import NotApplicableError
 from meso_robust.motion.dry_turn import DryPush, turn_on_points
 from meso_robust.types import Floats
-from tests.nightly import by_day
 
 UM = 1e-6
 TABLE_I = ((-563.3, 411.3), (605.9, -409.1), (-102.1, -273.2))
@@ -83,14 +82,11 @@ def followed(
 
 @pytest.mark.parametrize(
     ("places", "offset", "start", "side"),
-    by_day(
-        1,
-        [
-            (TABLE_I, 130.0, angles(89.7, 90.3), 1),
-            (WIDE, 200.0, angles(89.7, 90.3), 1),
-            (WIDE, -130.0, angles(89.7, 90.3), -1),
-        ],
-    ),
+    [
+        (TABLE_I, 130.0, angles(89.7, 90.3), 1),
+        (WIDE, 200.0, angles(89.7, 90.3), 1),
+        (WIDE, -130.0, angles(89.7, 90.3), -1),
+    ],
 )
 def test_every_run_ends_inside_and_sticks(
     places: tuple[tuple[float, float], ...], offset: float, start: Interval, side: int

@@ -9,7 +9,7 @@ import pytest
 from meso_robust.errors import NotApplicableError
 from meso_robust.planning.compose import compose, robust_at
 from meso_robust.task import Task, parse_task
-from tests.nightly import at_night, by_day
+from tests.nightly import at_night
 
 SHORT: dict[str, Any] = {
     "schema": "meso-robust/task/2",
@@ -54,10 +54,10 @@ def asked(values: dict[str, Any], **changes: dict[str, Any]) -> Task:
 
 @pytest.mark.parametrize(
     ("values", "stuck", "helps", "change"),
-    by_day(1, [
+    [
         (SHORT, "no push straightens", r"friction of 0\.1 ", {"uncertainty": {"friction": [0.097, 0.103]}}),
         (SQUARE, "no turn of the part", r"tips of 1 um ", {"probe": {"tip_radius_um": [1.0, 1.0]}}),
-    ]),
+    ],
 )  # fmt: skip
 def test_what_is_said_to_give_a_plan_gives_one(
     values: dict[str, Any], stuck: str, helps: str, change: dict[str, Any]
