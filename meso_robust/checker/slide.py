@@ -568,11 +568,16 @@ class _Barrier:
     def _labelled(self, knots: Sequence[float]) -> dict[str, float]:
         """Slopes along the labels: those by which a start at the middle of all ranges does not change."""
         start = self.starts[len(self.starts) // 2]
-        labels = {name: own for name, own in start.labels.items() if name in self.names}
+        one, exact = boxes_of(start.box, 1)
+        # of a single run a label may vary by what rounding leaves of it, and what it grows with not at all
+        labels = {
+            name: own
+            for name, own in start.labels.items()
+            if name in self.names and own in one.names
+        }
         if not labels:
             return {}
         leg = self._path(knots[:2], {})[0]
-        one, exact = boxes_of(start.box, 1)
         lead = self._ahead(start, self._curve(leg))({**exact, **one.points()})
         return {
             name: -self.side * float(lead.low[1 + one.names.index(own), 1])

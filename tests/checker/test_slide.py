@@ -338,6 +338,18 @@ def test_curves_go_on_where_the_last_one_ends(
             assert float((new - old).value) * sign > -1e-15
 
 
+@pytest.mark.parametrize(("ends", "told"), [((0.1, 0.1), set()), ((0.1, 0.2), {"V"})])
+def test_a_label_that_grows_with_a_number_has_no_slope_along_it(
+    ends: tuple[float, float], told: set[str]
+) -> None:
+    """Of a single run a label varies by rounding alone, and what it grows with not at all."""
+    box = box_of(POINTS)
+    start = start_in(box, H)
+    own = {**start.box, **box_of({"theta": ends})}
+    start = dataclasses.replace(start, box=own, labels={"V": "theta"})
+    assert set(_Barrier(box, [start], 1)._labelled([H[1], H[0]])) == told
+
+
 def test_the_tube_is_hardly_wider_than_the_motions(tubes: dict[str, tuple[Piece, ...]]) -> None:
     last = tubes["points"][-1]
     middle = {n: dual((low + high) / 2) for n, (low, high) in POINTS.items()}
