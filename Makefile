@@ -16,7 +16,7 @@ demo: $(INSTALLED)
 # A worker that dies (a test that waits for ever, a crash) ends the run by that test's name: xdist would
 # start another, and with whole files for workers then waits for ever itself.
 test: compiled
-	$(BIN)/python -m pytest -q -n auto --dist loadfile --no-loadscope-reorder --max-worker-restart=0 --fast
+	$(BIN)/python -m pytest -q -n auto --dist loadfile --no-loadscope-reorder --max-worker-restart=0 --fast $(ALSO)
 
 test-all: compiled
 	$(BIN)/python -m pytest -q -n auto --dist loadfile --no-loadscope-reorder --max-worker-restart=0

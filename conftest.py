@@ -10,24 +10,46 @@ import pytest
 from _pytest.doctest import DoctestItem
 
 import meso_robust as mr
-from tests.slow import LONGEST, ROOT, changed, is_slow
+from tests.slow import LONGEST, ROOT, changed, is_slow, last_commit
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
     """``--fast`` leaves slow tests to ``make test-all``, but for those of code that has changed."""
     parser.addoption("--fast", action="store_true", help="without slow tests of unchanged code")
+    parser.addoption(
+        "--recent",
+        action="store_true",
+        help="--fast, where what was committed lately is changed, and others come by turns",
+    )
 
 
 def pytest_ignore_collect(collection_path: Path, config: pytest.Config) -> bool | None:
     """Leave slow tests out before they are imported, which would take seconds in every worker."""
-    if not config.getoption("--fast"):
-        return None
-    return is_slow(_path(collection_path), _changed_paths()) or None
+    return (not collection_path.is_dir() and _waits(_path(collection_path), config)) or None
 
 
-def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Begin with the slow files: one that is left for the end keeps a worker busy alone for minutes."""
+def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
+    """Leave single slow tests out, too, and begin with the slow files.
+
+    One that is left for the end keeps a worker busy alone for minutes.
+    """
+    waiting = [item for item in items if _waits(_name(item), config)]
+    config.hook.pytest_deselected(items=waiting)
+    items[:] = [item for item in items if item not in waiting]
     items.sort(key=lambda item: _turn(_path(item.path)))
+
+
+def _waits(test: str, config: pytest.Config) -> bool:
+    recent = config.getoption("--recent")
+    if not (recent or config.getoption("--fast")):
+        return False
+    touched, turn = _drawn(recent)
+    return is_slow(test, touched, turn)
+
+
+@cache
+def _drawn(recent: bool) -> tuple[tuple[str, ...], str]:
+    return changed(recent), last_commit() if recent else ""
 
 
 def _turn(test: str) -> int:
@@ -40,9 +62,8 @@ def _path(file: Path) -> str:
     return file.relative_to(ROOT).as_posix() if file.is_relative_to(ROOT) else ""
 
 
-@cache
-def _changed_paths() -> tuple[str, ...]:
-    return changed()
+def _name(item: pytest.Item) -> str:
+    return f"{_path(item.path)}::{item.name.split('[')[0]}"
 
 
 @pytest.fixture(autouse=True)

@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
-from tests.slow import ROOT, SLOW, is_slow
+import json
+
+from tests.slow import ONE_IN, ROOT, SLOW, changed, is_slow, last_commit
 
 
 def test_every_path_of_the_table_exists() -> None:
     for test, code in SLOW.items():
-        for path in (test, *code):
+        file, _, name = test.partition("::")
+        for path in (file, *code):
             assert (ROOT / path).exists(), path
+        if name:
+            assert f"def {name}(" in (ROOT / file).read_text(encoding="utf-8"), test
 
 
 def test_slow_tests_run_where_their_code_has_changed() -> None:
@@ -21,7 +26,36 @@ def test_slow_tests_run_where_their_code_has_changed() -> None:
     assert not is_slow("tests/planning/test_compose.py", ())
 
 
+def test_a_single_test_may_be_slow() -> None:
+    test = "tests/planning/test_headings.py::test_the_sweep_tells_what_one_start_needs"
+
+    assert is_slow(test, ())
+    assert not is_slow(test, ("meso_robust/planning/compose.py",))
+    assert not is_slow(test, ("tests/planning/test_headings.py",))
+    assert not is_slow("tests/planning/test_headings.py", ())
+    assert not is_slow(
+        "tests/planning/test_headings.py::test_a_plan_keeps_to_the_stated_headings", ()
+    )
+
+
+def test_every_slow_test_has_its_turn() -> None:
+    """Otherwise CI would never run it until its code changes."""
+    for test in SLOW:
+        turns = [not is_slow(test, (), str(turn)) for turn in range(400)]
+        assert 0.5 < ONE_IN * sum(turns) / len(turns) < 2.0, test
+
+
+def test_what_was_committed_lately_includes_what_differs_now() -> None:
+    assert last_commit() == "" or set(changed()) <= set(changed(recent=True))
+
+
 def test_no_quick_room_is_in_the_table() -> None:
     """The proof, its checker and both engines are tested with every change."""
     for room in ("bounds", "checker", "motion", "primitives", "quality", "simulator", "diagnosis"):
         assert not is_slow(f"tests/{room}/test_anything.py", ())
+
+
+def test_no_planted_break_is_noticed_by_a_slow_test_only() -> None:
+    results = json.loads((ROOT / "reports/planted_breaks/noticed.json").read_text(encoding="utf-8"))
+
+    assert [r["noticed_by"] for r in results.values() if is_slow(r["noticed_by"], ())] == []
