@@ -14,31 +14,29 @@ slide need not be unique. Three things can come out:
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
 from functools import partial
-
-from flint import arb
 
 from meso_robust.checker.chain import within
 from meso_robust.checker.contact import off_line
 from meso_robust.checker.document import RuleDocument, WitnessDocument
-from meso_robust.checker.dual import Dual, Point
-from meso_robust.checker.ids import Named, Objection, named, place
+from meso_robust.checker.dual import Dual, Number, Point
+from meso_robust.checker.film import EVEN
+from meso_robust.checker.ids import Named, Objection, named
 from meso_robust.checker.inputs import Given, PoseBox
 from meso_robust.checker.moves import verify_scene
-from meso_robust.checker.numbers import double
 from meso_robust.checker.outline import Edge, Polygon
 from meso_robust.checker.passage import Passage
 from meso_robust.checker.pushing import line_angle, line_depth
-from meso_robust.checker.ranges import ZERO, Side, positive, side_of
+from meso_robust.checker.ranges import positive
 from meso_robust.checker.refusal import Refused
-from meso_robust.checker.scene import Scene, direction, frame_of, scene_of
+from meso_robust.checker.run import Run
+from meso_robust.checker.scene import Scene, direction
 from meso_robust.checker.walls import clear_of_walls, meets_a_wall
 
 INSIDE, MISSES = "starts_inside", "misses_goal"
 """Outcomes of a witness that are found here as well."""
-Three = tuple[arb, arb, arb]
 Place = Callable[[Point], tuple[Dual, Dual]]
 
 
@@ -72,7 +70,7 @@ def replay(witness: WitnessDocument, policy: tuple[RuleDocument, ...], given: Gi
     Refused
         Every motion of the run ends in the goal: it does not fail.
     """
-    run = _Run.of(witness, given)
+    run = Run.of(witness, given)
     pose, memory = run.start, None
     for number, rule in enumerate(policy):
         scene = run.scene(rule, number, pose)
@@ -96,80 +94,8 @@ def replay(witness: WitnessDocument, policy: tuple[RuleDocument, ...], given: Gi
     return Fate(fails=False, why=named(Objection.END_UNDECIDED))
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class _Run:
-    """A run in exact numbers."""
-
-    given: Given
-    """The task, what is constant during the run put to one number."""
-    start: PoseBox
-    sensing: tuple[Three, ...]
-    """Sensed minus true pose before each move."""
-    dual: tuple[tuple[arb, arb], ...]
-    """True minus commanded position of the active probe in each move."""
-    single: tuple[tuple[arb, arb], ...]
-
-    @classmethod
-    def of(cls, witness: WitnessDocument, given: Given) -> _Run:
-        start, sensed, probe = given.start, given.sensed, given.probe
-        at = _numbers(witness.start, (start.x, start.y, start.theta))
-        # the first pose is sensed as the task states it
-        first = [
-            (low + high) / 2 - own
-            for own, (low, high) in zip(at, (start.x, start.y, start.theta), strict=True)
-        ]
-        later = (_numbers(one, (sensed, sensed, given.turned)) for one in witness.sensing[1:])
-
-        def pairs(texts: Iterable[tuple[str, str]]) -> tuple[tuple[arb, arb], ...]:
-            return tuple((_number(x, probe), _number(y, probe)) for x, y in texts)
-
-        return cls(
-            given=replace(
-                given,
-                # of tips that each have a friction of their own the witness's one number tells nothing
-                friction=side_of(_number(witness.friction, given.friction))
-                if given.common_friction
-                else given.friction,
-                film_ratio=side_of(_number(witness.film_ratio_m2, given.film_ratio)),
-                misalignment=side_of(_number(witness.misalignment_rad, given.misalignment)),
-            ),
-            start=_box(*at),
-            sensing=((first[0], first[1], first[2]), *later),
-            dual=pairs(witness.dual_probe),
-            single=pairs(witness.single_probe),
-        )
-
-    def scene(self, rule: RuleDocument, number: int, pose: PoseBox) -> Scene:
-        """A move of the run, every error of it put to one number."""
-        scene, frame = scene_of(rule, pose, self.given), frame_of(rule)
-        errors = {
-            "sensed": self.sensing[number][:2],
-            "probe": self.dual[number],
-            "passive": self.single[number],
-        }
-        box = dict(scene.box)
-        for name, (x, y) in errors.items():
-            own = frame.own(_box(x, y, ZERO))  # an error turns with the axes as a position does
-            box[f"{name}_x"], box[f"{name}_y"] = side_of(own.x[0]), side_of(own.y[0])
-        return replace(scene, box=box)
-
-
-def _number(text: str, bounds: Side) -> arb:
-    """A number of the run, put back into its bounds where rounding took it out."""
-    return arb(double(text, place("witness"))).max(bounds[0]).min(bounds[1])
-
-
-def _numbers(texts: tuple[str, str, str], bounds: tuple[Side, Side, Side]) -> Three:
-    x, y, theta = (_number(text, side) for text, side in zip(texts, bounds, strict=True))
-    return x, y, theta
-
-
-def _box(x: arb, y: arb, theta: arb) -> PoseBox:
-    return PoseBox(x=side_of(x), y=side_of(y), theta=side_of(theta))
-
-
 def _starts_inside(scene: Scene) -> bool:
-    """Whether a tip is proved to lie within the part at the start of a move.
+    """Whether a tip is proved to overlap the part at the start of a move.
 
     Of a part that is not convex that is left open: a notch may hold the tip.
     """
@@ -178,29 +104,44 @@ def _starts_inside(scene: Scene) -> bool:
         return False
     return any(
         all(
-            positive(partial(_depth, scene, line, tip), scene.box)
+            positive(partial(_depth, scene, line, nearest), scene.box)
             for line in outline.sides(scene.edge)
         )
-        for tip in _tips(scene)
+        for nearest in _nearest(scene)
     )
 
 
-def _depth(scene: Scene, line: Edge, tip: Place, at: Point) -> Dual:
-    """How far the centre of a tip is on the inner side of an edge, and of what its corners lack."""
+def _depth(scene: Scene, line: Edge, place: Place, at: Point) -> Dual:
+    """How far a point is on the inner side of an edge, and of what its corners lack."""
     c, s = direction(line_angle(scene, line, scene.angle, at))
-    return line_depth(scene, line, at) - scene.corner_radius - off_line(c, s, *tip(at))
+    return line_depth(scene, line, at) - scene.corner_radius - off_line(c, s, *place(at))
 
 
-def _tips(scene: Scene) -> Iterator[Place]:
-    """Where the centre of each tip is before the move, from the part, in the axes of the travel."""
+def _nearest(scene: Scene) -> Iterator[Place]:
+    """A point for each tip, from the part, in the axes of the travel.
+
+    It is as far from the tip's centre as tip and roundest corner reach together, across the edges that
+    are pushed. Where it is within the part less that corner's radius on all sides, the tip overlaps the
+    part: of a part with rounded corners all is within it that is no farther than their radius from there.
+    """
     for side in (1, -1):
-        yield partial(_of_tip, scene, side)
+        yield partial(_across, scene, side, -1)
     if scene.rule.single_x is not None:
-        yield lambda at: scene.in_travel(at, scene.passive_ahead(at), scene.passive_rise(at))
+        yield partial(_across, scene, 0, 1)
 
 
-def _of_tip(scene: Scene, side: int, at: Point) -> tuple[Dual, Dual]:
-    return scene.ahead(at, side), scene.rise(at, side)
+def _across(scene: Scene, side: int, sign: int, at: Point) -> tuple[Dual, Dual]:
+    """The point for the upper (1), lower (-1) or passive (0) tip; ``sign``: out or into the edge."""
+    radius: Number
+    if side == 0:
+        x, y = scene.in_travel(at, scene.passive_ahead(at), scene.passive_rise(at))
+        radius = EVEN if scene.exact("radius_passive") else at["radius_passive"]
+    else:
+        x, y = scene.ahead(at, side), scene.rise(at, side)
+        radius = scene.radius(at, side)
+    c, s = direction(scene.angle(at))
+    reach = (radius + scene.corner_radius) * sign
+    return x + s * reach, y - c * reach
 
 
 def _at_walls(scene: Scene, passage: Passage, given: Given, number: int) -> Fate | None:

@@ -1,8 +1,13 @@
-"""The run of a REFUTED certificate must keep within the bounds of the task."""
+"""The run of a REFUTED certificate must keep within the bounds of the task.
+
+``witness.more`` holds what has no key of its own: ``<tip> radius_m``, ``edge <number> turned_rad``,
+``move <number> friction <leg> <tip>`` and so on, by the names of :data:`BOUNDS`.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import re
+from collections.abc import Callable, Iterator, Mapping
 
 from flint import arb
 
@@ -12,10 +17,28 @@ from meso_robust.checker.inputs import Given
 from meso_robust.checker.numbers import double
 from meso_robust.checker.ranges import Side
 from meso_robust.checker.refusal import Refused
+from meso_robust.checker.run import TIPS
 
 ROUNDING = arb(4e-15)
 """m, rad and m^2: bounds of the task are decimals, the numbers of a run doubles close to them. Of an
 orientation up to a whole turn, start and sensing error are four roundings of at most 1e-15 away."""
+_WHICH = f"(?:{'|'.join(TIPS)})"
+_MOVE = "move ([1-9][0-9]*)"
+BOUNDS: Mapping[str, Callable[[Given], Side]] = {
+    "tip_spacing_m": lambda given: given.spacing,
+    "(?:dtp_top|dtp_bottom) radius_m": lambda given: given.radius,
+    "stp radius_m": lambda given: given.passive_radius,
+    "edge [1-9][0-9]* out_m": lambda given: given.size,
+    "edge [1-9][0-9]* turned_rad": lambda given: given.squareness,
+    "drag_centre [xy]_m": lambda given: given.drag_centre,
+    "drag_anisotropy (?:along|across)": lambda given: given.anisotropy,
+    "drag_anisotropy of_stage": lambda given: (arb(0), arb(1)),
+    f"{_MOVE} direction_rad": lambda given: given.direction,
+    f"{_MOVE} scale": lambda given: given.scale,
+    f"{_MOVE} wander [0-9]+ [xy]_m": lambda given: given.wander,
+    f"{_MOVE} friction [1-9][0-9]* {_WHICH}": lambda given: given.friction,
+}
+"""What a number of ``witness.more`` must lie within, by its name."""
 
 
 def check_witness(certificate: Certificate, given: Given) -> WitnessDocument:
@@ -56,6 +79,16 @@ def _bounded(witness: WitnessDocument, given: Given) -> Iterator[tuple[str, str,
         for k, (x, y) in enumerate(getattr(witness, name)):
             yield f"{name}.{k}.x", x, given.probe
             yield f"{name}.{k}.y", y, given.probe
+    for name, text in witness.more.items():
+        yield f"more.{name}", text, _bounds(name, len(witness.sensing), given)
+
+
+def _bounds(name: str, moves: int, given: Given) -> Side:
+    for pattern, bounds in BOUNDS.items():
+        found = re.fullmatch(pattern, name)
+        if found and all(int(number) <= moves for number in found.groups()):
+            return bounds(given)
+    raise Refused(place(f"witness.more.{name}"), name, "a quantity of a run")
 
 
 def _first_sensing(witness: WitnessDocument, given: Given) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 import json
+from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -28,17 +29,19 @@ from meso_robust.laboratory.draws import Draws, draw, nominal
 from meso_robust.laboratory.replay import Feedback, miss
 from meso_robust.laboratory.running import STARTS_INSIDE
 from meso_robust.laboratory.simulation import in_goal
+from meso_robust.laboratory.witness import more_of
 from meso_robust.pipeline import Planned
 from meso_robust.planning.compose import compose
 from meso_robust.planning.document import plan_document
 from meso_robust.primitives.frame import Frame
 from meso_robust.primitives.move import MoveRule
 from meso_robust.primitives.setup import setup_of
-from meso_robust.task import Task
+from meso_robust.task import Task, parse_task
 from meso_robust.toml_files import toml_text
 from tests.checker.test_check import checked, objection, reclaimed
 from tests.checker.test_witness import witness
 from tests.conftest import paper_task
+from tests.laboratory.test_box import real_task
 from tests.nightly import at_night, by_day
 from tests.slot import point_slot
 from tests.turned import HALF, turned_rules, turned_task
@@ -157,13 +160,20 @@ def test_no_refutation_exits_as_a_proof_does(
 # -------------------------------------------------------------------- against the simulator
 
 
-def fate(task: Task, rules: tuple[MoveRule, ...], draws: Draws, row: int) -> Fate | None:
+def fate(
+    task: Task,
+    rules: tuple[MoveRule, ...],
+    draws: Draws,
+    row: int,
+    more: Mapping[str, str] | None = None,
+) -> Fate | None:
     """What the checker says of a run; None: it ends in the goal."""
     sensed = [np.zeros(3)] * len(rules)
     told = plan_document(task, rules, sensed, [None] * len(rules)).policy
     policy = tuple(RuleDocument.model_validate_json(one.model_dump_json()) for one in told)
     stated = witness(draws, row).witness
     assert stated is not None
+    stated = stated.model_copy(update={"more": dict(more or {})})
     with ctx.workprec(BITS):
         try:
             return replay(stated, policy, given(task))
@@ -207,6 +217,41 @@ def test_a_probe_that_starts_inside_the_part_is_found(frame: Frame) -> None:
     for row, within in enumerate(inside):
         told = fate(task, pushed, draws, row)
         assert (told is not None and told.outcome == INSIDE) == within
+
+
+@pytest.mark.parametrize("frame", by_day(2, HALF[1:]), ids=str)  # the second one is mirrored
+def test_tips_and_edges_that_the_witness_states_decide_whether_a_probe_starts_inside(
+    frame: Frame, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """All but wandering, which takes 2 um, is put to numbers; what follows if it does not is left out."""
+
+    def refused(*_: object) -> None:
+        raise Refused(named(Must.NO_JAM), 0, 1)
+
+    monkeypatch.setattr(replaying, "verify_scene", refused)
+    values = real_task().to_dict()
+    turned = turned_task(frame).to_dict()
+    task = parse_task({**values, "start": turned["start"], "goal": turned["goal"]}, "turned")
+    rules, setup = turned_rules(frame), setup_of(task)
+    draws = draw(setup, len(rules), 40, np.random.default_rng(5))
+
+    def inside(offset_um: float) -> tuple[Any, tuple[MoveRule, ...], Feedback]:
+        first = rules[0]
+        near = replace(first.dual, x=replace(first.dual.x, offset_um=offset_um))
+        pushed = (replace(first, dual=near), *rules[1:])
+        player = Feedback(rules=pushed, setup=setup, engine="events")
+        found = player.run(player.rows_of(draws))
+        return (found.outcomes == STARTS_INSIDE) & (found.failed_in == 0), pushed, player
+
+    (surely, *_), (starts_inside, pushed, player) = inside(428.5), inside(426.0)
+    rows, told = player.rows_of(draws), []
+    for row in range(len(rows)):
+        one = fate(task, pushed, draws, row, more_of(player, rows[row]))
+        told.append(one is not None and one.outcome == INSIDE)
+        assert surely[row] <= told[row] <= starts_inside[row]
+    without = [fate(task, pushed, draws, row) for row in range(len(rows)) if told[row]]
+    assert sum(one is not None and one.outcome == INSIDE for one in without) < sum(told)
+    assert 0 < sum(told) < len(told)
 
 
 @pytest.mark.parametrize(("depth", "meets"), [(1130.0, False), (1095.0, True)])
