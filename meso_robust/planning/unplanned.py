@@ -18,16 +18,18 @@ from meso_robust.primitives.frame import HEADINGS, Frame, Heading
 from meso_robust.primitives.setup import Setup
 from meso_robust.task import Part, Task
 
-TRYING_S = 6.0
+TRYING_S = 20.0
 """s of computing, about, for all changes together."""
 ENOUGH = 2
-"""Changes that are told at most."""
+"""Changes that are told at most, each of another thing."""
 NEAR = 0.03
 """Share by which friction is taken to be known."""
 MORE = (0.1, 0.2, 0.4, 0.8)
 """Frictions of tips that hold better."""
 THIN_UM = 1.0
 """Radius of a thin tip, um."""
+SLENDER = (0.8, 0.65, 0.5)
+"""Widths of parts that are easier to turn, over that of the task's."""
 
 
 class Stuck(Enum):
@@ -45,6 +47,7 @@ class What(Enum):
     CAP = "the cap on forces"
     FRICTION = "friction"
     TIPS = "the tips"
+    WIDTH = "the part's width"
     START = "the start"
     GOAL = "the goal's tolerance"
 
@@ -92,13 +95,15 @@ def settling(task: Task, stuck: Stuck, planned: Callable[[Task], bool]) -> str:
         Whether a plan is found for a task with uncertainties as small as they are tried.
     """
     tried: dict[What, None] = {}
-    helps: list[str] = []
+    helps: dict[What, str] = {}
     ended = "no change"
     try:
         with limited(TRYING_S):
             for kind, words, changed in _changes(task, stuck):
+                if kind in helps:
+                    continue
                 if planned(changed):
-                    helps.append(words)
+                    helps[kind] = words
                 if len(helps) == ENOUGH:
                     break
                 tried[kind] = None
@@ -106,7 +111,7 @@ def settling(task: Task, stuck: Stuck, planned: Callable[[Task], bool]) -> str:
         ended = f"in {TRYING_S:g} s no change"
     if helps:
         slot = ", and without the slot" if task.slot else ""
-        return f"with uncertainties as small{slot}, one was found with {' or with '.join(helps)}"
+        return f"with uncertainties as small{slot}, one was found with {' or with '.join(helps.values())}"
     if not tried:
         return "there was no time to try what would give one"
     return f"{ended} of {', '.join(one.value for one in tried)} that was tried gives one by itself"
@@ -126,6 +131,8 @@ def _changes(task: Task, stuck: Stuck) -> Iterator[Change]:
     if stuck is Stuck.TURNING:
         yield from _thin(task)
         yield from _friction(task, [mu for mu in (0.5 * middle, 0.25 * middle) if mu > 0.0])
+        yield from _slender(task)
+        return  # neither start nor goal changes how the tips hold it
     yield from _start(task, (1.0, 3.0))
     yield from _goal(task, (2.0, 4.0))
     if stuck is Stuck.ARRIVING:
@@ -149,6 +156,28 @@ def _thin(task: Task) -> Iterator[Change]:
     thin = (THIN_UM, THIN_UM)
     probe = task.probe.model_copy(update={"tip_radius_um": thin, "passive_tip_radius_um": thin})
     yield What.TIPS, f"tips of {THIN_UM:g} um", task.model_copy(update={"probe": probe})
+
+
+def _slender(task: Task) -> Iterator[Change]:
+    """Parts that are not as wide: no laboratory makes one, but it learns why its own is not turned."""
+    part, length = task.part, _length_um(task)
+    if not isinstance(part, Part):
+        return
+    for share in SLENDER:
+        width = share * part.width_um
+        if width > 0.4 * length:
+            of = task.uncertainty
+            ratio = of.film_ratio_um2 * (length**2 + width**2) / (length**2 + part.width_um**2)
+            yield (
+                What.WIDTH,
+                f"a part {width:.0f} um wide",
+                task.model_copy(
+                    update={
+                        "part": part.model_copy(update={"width_um": width}),
+                        "uncertainty": of.model_copy(update={"film_ratio_um2": ratio}),
+                    }
+                ),
+            )
 
 
 def _start(task: Task, lengths: Sequence[float]) -> Iterator[Change]:

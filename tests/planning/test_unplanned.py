@@ -57,6 +57,12 @@ def asked(values: dict[str, Any], **changes: dict[str, Any]) -> Task:
     [
         (SHORT, "no push straightens", r"friction of 0\.1 ", {"uncertainty": {"friction": [0.097, 0.103]}}),
         (SQUARE, "no turn of the part", r"tips of 1 um ", {"probe": {"tip_radius_um": [1.0, 1.0]}}),
+        (
+            SQUARE | {"part": {"length_um": 1000.0, "width_um": 1000.0}},
+            "no turn of the part",
+            "a part 500 um wide",
+            {"part": {"width_um": 500.0}, "uncertainty": {"film_ratio_um2": 77500.0}},
+        ),
     ],
 )  # fmt: skip
 def test_what_is_said_to_give_a_plan_gives_one(
