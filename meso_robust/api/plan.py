@@ -220,7 +220,7 @@ def plan(  # noqa: PLR0913  # every option of the verb is an argument
             "plan with the model first, then with the task it returns (task.toml)"
         )
     stated = task_of(task)
-    for asked, use in ((policy, "--policy"), (maps, "--maps"), (model, "--model")):
+    for asked, use in ((policy, "--policy"), (maps, "--maps")):
         if asked:
             stated.rectangle(use)
     if model is not None:

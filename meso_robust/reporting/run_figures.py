@@ -14,7 +14,7 @@ from matplotlib.patches import Rectangle
 from meso_robust import units
 from meso_robust.campaigns.answer import PartAnswer
 from meso_robust.checker.document import BoxDocument, Certificate
-from meso_robust.laboratory.running import rectangle
+from meso_robust.laboratory.making import outline as outline_of_part
 from meso_robust.laboratory.simulation import Simulated, in_goal
 from meso_robust.primitives.setup import PoseBox, setup_of
 from meso_robust.reporting.canvas import (
@@ -55,7 +55,7 @@ def certificate_figure(certificate: Certificate, task: Task, *, holds: bool) -> 
         Whether the check confirmed the boxes.
     """
     setup = setup_of(task)
-    body, start, goal = rectangle(setup), np.array(setup.start.mid), np.array(setup.goal.mid)
+    body, start, goal = outline_of_part(setup), np.array(setup.start.mid), np.array(setup.goal.mid)
     figure, axes = panel(*WIDE)
     outline(axes, start, body, "start", fc="none", ec=BEFORE, lw=1.3)
     _goal(axes, setup.goal, body)
@@ -94,7 +94,7 @@ def _numbered(axes: Axes, number: int, box: BoxDocument) -> None:
 def runs_figure(found: Simulated) -> Figure:
     """The nominal run from start to end, and the last poses of the sampled runs, in um."""
     setup, nominal = found.player.setup, found.nominal.runs
-    body = rectangle(setup)
+    body = outline_of_part(setup)
     moves = [move for k, move in enumerate(nominal.moves) if k <= int(nominal.failed_in[0])]
     figure, axes = panel(*WIDE)
     _goal(axes, setup.goal, body)

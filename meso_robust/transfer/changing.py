@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -13,12 +14,16 @@ from meso_robust.bounds import Interval
 from meso_robust.errors import InputError
 from meso_robust.identification.document import ModelDocument, PartSection
 from meso_robust.primitives.setup import Block, Setup, setup_of
-from meso_robust.task import POINT_TIPS, ROUND_TIPS as REAL, Task, parse_task
+from meso_robust.task import POINT_TIPS, ROUND_TIPS as REAL, Part, PolygonPart, Task, parse_task
 from meso_robust.transfer.assumption_check import FRICTION, RATIO, ROUND_TIPS, Standing, by_name
 from meso_robust.transfer.inflation import NOTHING, Absorbed, Ends, Post, rounded_up, spelled
 
 _SAME = 1e-6  # of a length: two statements of it that differ by less are the same
+_LOST = 1e-9  # um and deg: far more than doubles of a few thousand lose
 _FINE = 10**6  # steps of a friction coefficient, a ratio in um^2 or a percentage
+
+
+Corners = tuple[tuple[float, float], ...]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -61,17 +66,46 @@ def check_part(task: Task, document: ModelDocument, source: str) -> None:
     Raises
     ------
     InputError
-        The model's part is not the task's, or the task's is no rectangle.
+        The model's part is not the task's.
     """
-    sides, part = _sides(document.part), task.rectangle("planning with a fitted model")
-    stated = (part.length_um, part.width_um)
-    if sides is None or any(abs(a - b) > _SAME * b for a, b in zip(sides, stated, strict=True)):
-        was = "a polygon" if sides is None else f"{sides[0]:g} x {sides[1]:g} um"
+    was, stated = _corners(document.part), _corners(task.part)
+    if len(was) != len(stated) or not _is_same(was, stated):
         raise InputError(
-            f"{source}: key part: {was}; must be the part of the task, {stated[0]:g} x "
-            f"{stated[1]:g} um, because ρ and μ hold for the part that was pushed; identify with "
-            "recordings of this part, or correct the task"
+            f"{source}: key part: {_shape(document.part)}; must be the part of the task, {_shape(task.part)}, "
+            "because ρ and μ hold for the part that was pushed; identify with recordings of this part, "
+            "or correct the task"
         )
+
+
+def _corners(part: PartSection | Part | PolygonPart) -> Corners:
+    """Counter-clockwise, um."""
+    if not isinstance(part, Part) and part.polygon_um is not None:
+        return tuple((x, y) for x, y in part.polygon_um)
+    a, b = (0.5 * side for side in _sides(part))
+    return (-a, -b), (a, -b), (a, b), (-a, b)
+
+
+def _sides(part: PartSection | Part | PolygonPart) -> Ends:
+    """Length and width of a rectangle, um."""
+    if isinstance(part, PolygonPart):
+        return NOTHING
+    return part.length_um or 0.0, part.width_um or 0.0
+
+
+def _is_same(one: Corners, other: Corners) -> bool:
+    """Whether corners are the same, whichever is the first."""
+    within = _SAME * max(math.hypot(x, y) for x, y in other)
+    return any(
+        all(math.dist(a, b) <= within for a, b in zip(one[k:] + one[:k], other, strict=True))
+        for k in range(len(one))
+    )
+
+
+def _shape(part: PartSection | Part | PolygonPart) -> str:
+    sides, corners = _sides(part), _corners(part)
+    if sides != NOTHING:
+        return f"{sides[0]:g} x {sides[1]:g} um"
+    return f"a polygon of {len(corners)} corners, the first at ({corners[0][0]:g}, {corners[0][1]:g}) um"
 
 
 def changed(
@@ -195,21 +229,13 @@ def _radii(
     return found
 
 
-def _sides(part: PartSection) -> Ends | None:
-    """Length and width of a rectangle, also of one that is given by its corners."""
-    if part.polygon_um is None:
-        return part.length_um or 0.0, part.width_um or 0.0
-    x, y = (sorted({corner[k] for corner in part.polygon_um}) for k in (0, 1))
-    centred = [len(side) == 2 and side[0] == -side[1] for side in (x, y)]
-    return (x[1] - x[0], y[1] - y[0]) if all(centred) and len(part.polygon_um) == 4 else None
-
-
-def _part(part: Mapping[str, float], absorbed: Iterable[Absorbed]) -> dict[str, float]:
-    """The part's sides at the middle of what they can be, and how far they may be off it."""
+def _part(part: Mapping[str, Any], absorbed: Sequence[Absorbed]) -> dict[str, Any]:
+    """The part at the middle of what it can be, and how far its edges may be off it."""
+    if "polygon_um" in part:
+        return _polygon(part, absorbed)
     found, off = {}, 2 * [Fraction(0)]
     for k, key in enumerate(("length_um", "width_um")):
-        by = [getattr(one, key) for one in absorbed]
-        low, high = (spelled(part[key]) + sum(spelled(one[k]) for one in by) for k in (0, 1))
+        low, high = (spelled(part[key]) + by for by in _total(absorbed, key))
         found[key] = round(float((low + high) / 2), 2)
         middle = spelled(found[key])
         off[k] = max(high - middle, middle - low)
@@ -218,6 +244,56 @@ def _part(part: Mapping[str, float], absorbed: Iterable[Absorbed]) -> dict[str, 
             spelled(part.get("size_tolerance_um", 0.0)) + max(off)
         )
     return found
+
+
+def _polygon(part: Mapping[str, Any], absorbed: Sequence[Absorbed]) -> dict[str, Any]:
+    """The same of a polygon, which is stretched by factors f, g along its axes.
+
+    With a = (p, q) its side as stated and c = a corner of it x a, an edge then has the direction (f p, g q)
+    and the distance f g c / |(f p, g q)|: the one depends on f / g only, the other grows with f and
+    with g, so that both are farthest off where f and g are at their ends.
+    """
+    longer = [_total(absorbed, key) for key in ("length_um", "width_um")]
+    if not any(map(any, longer)):
+        return {}
+    corners = part["polygon_um"]
+    extents = [max(of) - min(of) for of in zip(*corners, strict=True)]
+    ends = [
+        [1.0 + float(by) / extent for by in bys]
+        for bys, extent in zip(longer, extents, strict=True)
+    ]
+    f, g = (0.5 * sum(of) for of in ends)
+    middle = [[round(f * x, 2), round(g * y, 2)] for x, y in corners]
+    stated = _edges(middle)
+    out = turn = 0.0
+    for one, other in itertools.product(*ends):
+        edges = _edges([[one * x, other * y] for x, y in corners])
+        for (far, angle), (far_stated, angle_stated) in zip(edges, stated, strict=True):
+            out = max(out, abs(far - far_stated))
+            turn = max(turn, abs(math.remainder(angle - angle_stated, 2.0 * math.pi)))
+    size, square = part.get("size_tolerance_um", 0.0), part.get("squareness_deg", 0.0)
+    return {
+        "polygon_um": middle,
+        "size_tolerance_um": rounded_up(size + 2.0 * out + _LOST),
+        "squareness_deg": rounded_up(square + math.degrees(turn) + _LOST),
+    }
+
+
+def _edges(corners: Sequence[Sequence[float]]) -> list[tuple[float, float]]:
+    """Distance from the reference point and direction of each edge."""
+    found = []
+    for (x, y), (u, v) in zip(corners, [*corners[1:], corners[0]], strict=True):
+        p, q = u - x, v - y
+        found.append(((x * q - y * p) / math.hypot(p, q), math.atan2(q, p)))
+    return found
+
+
+def _total(absorbed: Sequence[Absorbed], key: str) -> tuple[Fraction, Fraction]:
+    """Ends of by how much the part is longer."""
+    ends = [getattr(one, key) for one in absorbed]
+    return sum((spelled(a) for a, _ in ends), Fraction(0)), sum(
+        (spelled(b) for _, b in ends), Fraction(0)
+    )
 
 
 def _ranges(document: ModelDocument, standings: Mapping[str, Standing]) -> dict[str, object]:
@@ -285,11 +361,12 @@ def _reasons(standings: Mapping[str, Standing]) -> dict[str, str]:
         return ", ".join([*(name for name in first if name in standings), *names])
 
     found = {key: by(field) for key, field in _FIELDS.items()}
+    of_the_part = ", ".join(dict.fromkeys(filter(None, (found["length_um"], found["width_um"]))))
     for key in ("tip_radius_um", "passive_tip_radius_um"):
         found[key] = by("radius_um", ROUND_TIPS) or "the task's tips are points"
     return {
         **found,
-        "size_tolerance_um": ", ".join(filter(None, (found["length_um"], found["width_um"]))),
+        **dict.fromkeys(("polygon_um", "size_tolerance_um", "squareness_deg"), of_the_part),
         "film_ratio_um2": RATIO,
         "speed_um_s": ", ".join(one.name for one in effects if by_speed(one)),
         "film_ratio_percent": by("ratio_share", RATIO),
@@ -303,6 +380,8 @@ def by_speed(one: Standing) -> bool:
 
 
 def _told(value: object) -> str:
+    if isinstance(value, (list, tuple)) and isinstance(value[0], (list, tuple)):
+        return f"{len(value)} corners"
     if isinstance(value, (list, tuple)):
         return " … ".join(f"{one:.6g}" for one in value)
     return f"{value:.8g}" if isinstance(value, float) else str(value)

@@ -16,8 +16,8 @@ from meso_robust.primitives.base import bend_of
 from meso_robust.primitives.names import ObligationId
 from meso_robust.primitives.obligation import Step
 from meso_robust.primitives.rotation import held_poses
-from meso_robust.primitives.setup import ZERO, PoseBox, Setup
-from meso_robust.task import Task
+from meso_robust.primitives.setup import ZERO, PoseBox, Setup, setup_of
+from meso_robust.task import Part, PolygonPart, Task
 from meso_robust.transfer.inflation import Budget
 from meso_robust.transfer.running import HANDLING_S
 
@@ -48,6 +48,7 @@ def needed(chain: Chain, task: Task, slender: float) -> Budget:
         ratio_um2=ratios[1],
         least_ratio_um2=ratios[0],
         slender=slender,
+        rectangle=isinstance(task.part, Part),
         reach_um=reach_um(task),
         speed_um_s=speed,
         press=min(press for press, _ in slowest),
@@ -64,8 +65,12 @@ def ratio_ends(task: Task) -> tuple[float, float]:
 
 
 def reach_um(task: Task) -> float:
-    """Largest distance of a place of a rectangle from its centre, um."""
-    part = task.rectangle("planning with a fitted model")
+    """Largest distance of a place of the part from its reference point, um."""
+    part = task.part
+    if isinstance(part, PolygonPart):
+        corners = setup_of(task).body.corners
+        far = max(math.hypot(*(max(-side.lo, side.hi) for side in corner)) for corner in corners)
+        return units.to_um(far) * _ROUNDING
     # an edge farther out by half the tolerance, and turned about the foot of the centre
     across = math.hypot(part.length_um, part.width_um)
     lean = math.tan(math.radians(part.squareness_deg or 0.0))
@@ -113,10 +118,11 @@ def _turn(box: PoseBox, step: Step, setup: Setup) -> float:
     (derivations/opposite_edges.py).
     """
     u = setup.uncertainty
-    if u.squareness != ZERO:
-        return 0.0
     edge = setup.edge(step.rule.frame.from_world(step.pre).theta.mid)
-    width = edge.depth + edge.depth + u.tip_radius + u.passive_tip_radius
+    far, askew = setup.opposite(edge)
+    if u.squareness != ZERO or askew != ZERO:
+        return 0.0
+    width = edge.depth + far.depth + u.tip_radius + u.passive_tip_radius
     both = next(one for one in step.obligations if one.name.id is ObligationId.BOTH_TIPS_TOUCH)
     h, across = both.proof.box["h"], both.proof.box["V"]
     press, c, s = _pressing(box, step, setup)

@@ -43,7 +43,9 @@ class Budget:
     least_ratio_um2: float
     """The smallest."""
     slender: float
-    """Length over width of the part; 0 where something besides keeps its film from being even."""
+    """Length over width of a rectangle; 0 of another part, or where something besides keeps its film from being even."""
+    rectangle: bool
+    """Whether the part is one: some bounds are of a film under a rectangle."""
     reach_um: float
     """Largest distance of a contact from the part's centre."""
     speed_um_s: float

@@ -43,6 +43,8 @@ class Line:
     """How it is absorbed in the task; None: it is not, and nothing is proved."""
     even: bool = False
     """Whether the bound is of a film that nothing else keeps from being even."""
+    rectangle: bool = False
+    """Whether it is of a film under a rectangle."""
     placed: tuple[str, ...] = ()
     """Parameters that say where it is, without which its size is worth nothing."""
 
@@ -69,6 +71,7 @@ def _uneven(claim: str, why: str, absorb: Absorb, placed: tuple[str, ...] = ()) 
         why=why,
         absorb=absorb,
         even=True,
+        rectangle=True,
         placed=placed,
     )
 
@@ -120,6 +123,7 @@ LINES: Mapping[str, Line] = {
         derivation="derivations/uneven_film.py",
         why="the drag depends on the place: its centre moves over the part as the part turns",
         absorb=inflation.drag_gradient,
+        rectangle=True,
     ),
     "drag_drift": _invariance(
         "film-scale",
@@ -195,7 +199,7 @@ LINES: Mapping[str, Line] = {
         premise=Premise.PART_KNOWN,
         claim="rectangle-edges",
         derivation="derivations/polygon_edge.py",
-        why="a rectangle still, with other sides",
+        why="the same part with edges elsewhere: a rectangle stays one",
         absorb=inflation.part_geometry,
     ),
     "tip_radius": Line(

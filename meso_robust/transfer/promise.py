@@ -16,6 +16,7 @@ from contextlib import suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+from meso_robust import units
 from meso_robust.bounds import Verdict
 from meso_robust.certificates.chain import Chain, certify
 from meso_robust.certificates.document import (
@@ -41,8 +42,9 @@ from meso_robust.pipeline import Planned, SimulatorContradictsProofError, judge
 from meso_robust.planning.compose import Found, compose
 from meso_robust.planning.remedy import Remedy
 from meso_robust.primitives.names import Named, Reason, about
+from meso_robust.primitives.setup import setup_of
 from meso_robust.stages import Doing
-from meso_robust.task import POINT_TIPS, Task
+from meso_robust.task import POINT_TIPS, Part, PolygonPart, Task
 from meso_robust.transfer.assumption_check import (
     BREAKS,
     FRICTION,
@@ -250,8 +252,8 @@ def recertified(task: Task, document: ModelDocument) -> Recertified:
 def _hopeless(task: Task, document: ModelDocument, budget: Budget) -> bool:
     """Whether the centre of drag may be so far off that no plan is looked for: effort only."""
     absorbed = [one.absorbed for one in standings(document, budget) if one.absorbed is not None]
-    part = task.rectangle("planning with a fitted model")
-    return max(one.drag_centre_um for one in absorbed) > _FAR_OFF * part.length_um
+    length_um = 2.0 * units.to_um(setup_of(task).outline.reach)
+    return max(one.drag_centre_um for one in absorbed) > _FAR_OFF * length_um
 
 
 def _first_budget(task: Task, document: ModelDocument, faster: float) -> Budget:
@@ -264,6 +266,7 @@ def _first_budget(task: Task, document: ModelDocument, faster: float) -> Budget:
         ratio_um2=high,
         least_ratio_um2=low,
         slender=_slender(task, document),
+        rectangle=isinstance(task.part, Part),
         reach_um=reach_um(task),
         speed_um_s=faster * task.probe.speed_um_s,
         press=1.0,
@@ -316,12 +319,14 @@ def _ratios(task: Task, document: ModelDocument) -> tuple[float, float]:
 
 
 def _slender(task: Task, document: ModelDocument) -> float:
-    """Length over width of the part; 0 if the task or more than one effect keeps its film from being even."""
+    """Length over width; 0 of a polygon, or if the task or more than one effect keeps its film from being even."""
     _, *effects = document.model.split("+")
     uneven = sum(LINES[one].premise is Premise.FILM_DRAG for one in effects if one in LINES)
-    u, part = task.uncertainty, task.rectangle("planning with a fitted model")
+    u, part = task.uncertainty, task.part
     stated = bool(u.drag_centre_um or u.drag_anisotropy_percent)
-    return 0.0 if stated or uneven > 1 else part.length_um / part.width_um
+    if stated or uneven > 1 or isinstance(part, PolygonPart):
+        return 0.0
+    return part.length_um / part.width_um
 
 
 def _bounded(found: Sequence[Standing]) -> bool:

@@ -19,7 +19,7 @@ from meso_robust.identification.document import ModelDocument
 from meso_robust.identification.models import Physics
 from meso_robust.laboratory.draws import Draws, draw
 from meso_robust.laboratory.engines import Pushed, push_all
-from meso_robust.laboratory.making import true_ways
+from meso_robust.laboratory.making import outline, true_ways
 from meso_robust.laboratory.running import (
     STARTS_INSIDE,
     STEP,
@@ -30,7 +30,6 @@ from meso_robust.laboratory.running import (
     carry_out,
     drawn_radii,
     excess,
-    rectangle,
     there_and_back,
     walls,
     why,
@@ -127,7 +126,7 @@ class _Laboratory:
     @property
     def outlines(self) -> Floats:
         """(1|N, V, 2) of parts as the model has them, m."""
-        return outlines(rectangle(self.setup), self.physics().effects.table)
+        return outlines(outline(self.setup), self.physics().effects.table)
 
     def radii(self, order: Order) -> Floats:
         """(1|N, P) of tips as the model has them, m."""
@@ -250,7 +249,7 @@ def _push(poses: Floats, ways: Floats, runs: Which, lab: _Laboratory, stated: Fl
         waypoints = np.concatenate([waypoints, waypoints[:, -1:]], axis=1)
         times = np.concatenate([times, times[:, -1:] + rest], axis=1)
     return Push(
-        vertices=rectangle(lab.setup),
+        vertices=outline(lab.setup),
         poses=poses,
         waypoints=waypoints,
         times=times,
@@ -266,7 +265,7 @@ def _push(poses: Floats, ways: Floats, runs: Which, lab: _Laboratory, stated: Fl
 def _way(ways: Floats, lab: _Laboratory, *, back: bool) -> tuple[Floats, Floats]:
     """(N, T, P, 2) waypoints and (N, T) times of a move, and of backing off if tips that leave matter."""
     speed = lab.task.probe.speed_um_s * units.UM
-    reach = _BACK * 2.0 * lab.setup.half_length.mid
+    reach = _BACK * 2.0 * lab.setup.outline.reach
     if not back:
         return ways, leg_times(np.diff(ways, axis=1), speed)
     return there_and_back(ways, speed, reach, speed)
@@ -279,7 +278,7 @@ def _rested(poses: Floats, runs: Flags, lab: _Laboratory) -> Floats:
         return poses
     far = poses[:, None, :2] + _FAR
     waiting = Push(
-        vertices=rectangle(lab.setup),
+        vertices=outline(lab.setup),
         poses=poses,
         waypoints=np.stack([far, far], axis=1),
         times=np.array([[0.0, HANDLING_S]]),

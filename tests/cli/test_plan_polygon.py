@@ -47,11 +47,10 @@ def test_it_is_checked_simulated_and_driven(proved: tuple[Any, Path], tmp_path: 
     assert '"primitive": "y_translation"' in driven.stdout
 
 
-@pytest.mark.parametrize("option", ["--policy", "--maps", "--model"])
+@pytest.mark.parametrize("option", ["--policy", "--maps"])
 def test_what_needs_a_rectangle_is_refused_before_any_work(option: str, tmp_path: Path) -> None:
-    more = [str(tmp_path / "model.toml")] if option == "--model" else []
     out = tmp_path / "o"
-    result = RUNNER.invoke(app, ["plan", str(L_SHAPE), option, *more, "--out", str(out)])
+    result = RUNNER.invoke(app, ["plan", str(L_SHAPE), option, "--out", str(out)])
     assert result.exit_code == 2
     assert "for rectangles only" in result.output
     assert option in result.output

@@ -83,7 +83,7 @@ def budget(**changes: Any) -> Budget:
     """What effects on the paper's part are bounded for, with changes."""
     plain: dict[str, Any] = {
         "radius_um": 2500.0, "seconds": 120.0, "ratio_um2": 380e3, "least_ratio_um2": 370e3,
-        "slender": 1616 / 837, "reach_um": 910.0, "speed_um_s": 75.0, "press": 0.99,
+        "slender": 1616 / 837, "rectangle": True, "reach_um": 910.0, "speed_um_s": 75.0, "press": 0.99,
         "turn_per_um": 1.5e-4, "capped": False,
     }  # fmt: skip
     return Budget(**{**plain, **changes})
