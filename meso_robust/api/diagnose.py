@@ -172,10 +172,17 @@ def diagnose(
             findings=direct.findings,
         )
     seen = tuple(f"direct test: {line}" for line in words(direct))
+    made = answer.document(diagnosis, __version__, (*usable.warnings, *seen, *diagnosis.doubts))
+    if made.verdict == "named":  # by all recordings and all frames
+        names = {one.name for one in made.effects}
+        seen = tuple(
+            line if one.effect in names else f"{line}; what is named explains more"
+            for line, one in zip(seen, direct.findings, strict=True)
+        )
     warnings = (*usable.warnings, *seen, *diagnosis.doubts)
     return Diagnosed(
         diagnosis=diagnosis,
-        document=answer.document(diagnosis, __version__, warnings),
+        document=made,
         warnings=warnings,
         direct=direct,
         source=given.source,

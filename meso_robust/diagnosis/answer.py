@@ -19,13 +19,14 @@ from meso_robust.diagnosis.each_push import EachPush
 from meso_robust.diagnosis.folds import RollOut
 from meso_robust.diagnosis.grading import Grade
 from meso_robust.diagnosis.judge import NAMED, SURE, Explained
+from meso_robust.diagnosis.left_out import LeftOut, fall_of_error, left_out
 from meso_robust.diagnosis.next_push import next_experiment
 from meso_robust.diagnosis.refit import Refit
 from meso_robust.diagnosis.rejection import Rejection
 from meso_robust.diagnosis.residual import ResidualLaw
 from meso_robust.diagnosis.tangent import CONFIDENCE, Interval, intervals
 from meso_robust.diagnosis.trials import Trial, tried
-from meso_robust.diagnosis.validation import Errors, improvement
+from meso_robust.diagnosis.validation import Errors
 from meso_robust.identification.answer import sections
 from meso_robust.identification.document import (
     MinimumSection,
@@ -175,7 +176,7 @@ def _ended(found: Diagnosis) -> tuple[str, ...]:
         for file, outcome in zip(one.prepared.files, one.outcomes, strict=True)
         if outcome != "completed"
     )
-    if found.plain.held_out is None:
+    if found.grade.bench.count == 1:
         return (*failed, "too few recordings to hold any out: errors are those of the fit")
     return failed
 
@@ -279,6 +280,8 @@ def _lacking(grade: Grade, explained: Explained) -> str:
         return f"but {' and '.join(grade.beside)} may be what another form of the rest leaves"
     if explained.share < NAMED:
         return "not all of it"
+    if grade.spoilt:
+        return f"but {', '.join(grade.spoilt[:3])} is predicted worse with it than without"
     if explained.low < SURE:
         return f"{100.0 * explained.low:.0f} % of it surely"
     return "not in every fold, or another set is likelier where both were fitted"
@@ -476,26 +479,24 @@ def _rejection(why: Rejection | None) -> dict[str, object]:
 
 
 def _held_out(found: Diagnosis) -> dict[str, Any]:
-    before = found.plain.judged
-    later = found.extended.judged if found.extended else before
-    unseen = found.plain.held_out is not None
-    if unseen:
-        before = _from_rest(found, before, found.grade.plain)
-        rolled = found.grade.extended or found.grade.plain
-        later = _from_rest(found, later, rolled) if found.extended else before
-    low, high = improvement(before, later, found.seed)
+    """Errors of every recording, predicted from the pose at rest by fits to the others."""
+    bench, plain = found.grade.bench, found.grade.plain
+    rolled = (found.grade.extended or plain) if found.extended else plain
+    unseen = bench.count > 1
+    before, after = (left_out(bench, one) for one in (plain, rolled))
+    low, high = fall_of_error(before, after, found.seed)
     section: dict[str, Any] = {
-        "recordings": before.prepared.files if unseen else (),
+        "recordings": bench.prepared.files if unseen else (),
         "baseline_sigma": before.whole,
-        "extended_sigma": later.whole,
+        "extended_sigma": after.whole,
         "noise_floor_sigma": found.baseline.noise.floor,
         "repeatability_sigma": found.baseline.noise.repeatability,
         "baseline_um": UM * before.whole_metres,
-        "extended_um": UM * later.whole_metres,
+        "extended_um": UM * after.whole_metres,
         "improvement_low": low,
         "improvement_high": high,
         "black_box_sigma": found.checked.black_box,
-        "each": _each(before, later, "held_out") if unseen else (),
+        "each": _each(bench.prepared.files, before, after, "held_out") if unseen else (),
     }
     beyond = found.checked.extrapolation
     if beyond is None:
@@ -505,24 +506,16 @@ def _held_out(found: Diagnosis) -> dict[str, Any]:
         "extrapolation_recordings": beyond.files,
         "extrapolation_baseline_sigma": beyond.before.whole,
         "extrapolation_extended_sigma": beyond.after.whole,
-        "each": (*section["each"], *_each(beyond.before, beyond.after, "extrapolation")),
+        "each": (
+            *section["each"],
+            *_each(beyond.files, beyond.before, beyond.after, "extrapolation"),
+        ),
     }
 
 
-def _from_rest(found: Diagnosis, errors: Errors, rolled: RollOut) -> Errors:
-    """Errors of roll-outs from the pose at rest: a start that is fitted takes up what is wrong."""
-    bench = found.grade.bench
-    rows = [bench.prepared.files.index(file) for file in errors.prepared.files]
-    counts = bench.seen[rows].sum(axis=(1, 2))
-    away = (bench.prepared.seen - rolled.poses)[rows]
-    return replace(
-        errors,
-        sigma=found.baseline.noise.floor * np.sqrt(rolled.squares[rows].sum(axis=(1, 2)) / counts),
-        metres=np.sqrt(np.nanmean(np.sum(away[..., :2] ** 2, axis=2), axis=1)),
-    )
-
-
-def _each(before: Errors, after: Errors, which: str) -> tuple[dict[str, object], ...]:
+def _each(
+    files: Sequence[str], before: LeftOut | Errors, after: LeftOut | Errors, which: str
+) -> tuple[dict[str, object], ...]:
     return tuple(
         {
             "recording": file,
@@ -532,7 +525,7 @@ def _each(before: Errors, after: Errors, which: str) -> tuple[dict[str, object],
             "baseline_um": UM * float(before.metres[k]),
             "extended_um": UM * float(after.metres[k]),
         }
-        for k, file in enumerate(before.prepared.files)
+        for k, file in enumerate(files)
     )
 
 

@@ -111,6 +111,8 @@ class Grade:
     beside
         Effects that explain little of the whole beside the others, or were found in what these leave: likewise, as the
         form of a law that is not quite the true one leaves something that an effect may look like.
+    spoilt
+        Files of recordings that the set predicts worse than the plain model: likewise.
     """
 
     verdict: Verdict
@@ -129,6 +131,7 @@ class Grade:
     unsure: Names = ()
     beside: Names = ()
     alike: tuple[Candidate, ...] = ()
+    spoilt: tuple[str, ...] = ()
 
 
 def graded(
@@ -208,7 +211,12 @@ def graded(
     stage = _stage_left(judge, recordings, named, by_effect, where, matters)
     cells = budget(tables, effects, stage) if missing else ()
     return Grade(
-        verdict=_verdict(missing, explained, rivals, everywhere and not (beside or alike)),
+        verdict=_verdict(
+            missing,
+            explained,
+            rivals,
+            everywhere and not (beside or alike or judge.spoilt(effects)),
+        ),
         bench=bench,
         plain=plain,
         extended=predicted[effects] if effects else None,
@@ -223,6 +231,7 @@ def graded(
         floor=float(judge.floor.sum() / bench.seen.sum()),
         beside=beside,
         alike=alike,
+        spoilt=judge.spoilt(effects),
     )
 
 

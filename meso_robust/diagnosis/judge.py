@@ -127,6 +127,17 @@ class Judge:
         least = max(CHANCE * float(np.sqrt(2.0 * count)), MEMBER_SHARE * float(plain.sum()))
         return max(float(loss[0] + loss[1]), float(loss[2])) <= least
 
+    def spoilt(self, names: Names) -> tuple[str, ...]:
+        """Files of recordings that a set predicts worse than the plain model, by more than a law's form or noise does.
+
+        A law that is not the true one may take most of an error away where it is large, and pay for it elsewhere.
+        """
+        counts = self.bench.seen.sum(axis=(1, 2))
+        loss = self.sums(names) - self.sums(())
+        least = MEMBER_SHARE * self.explainable * counts / counts.sum()
+        worse = loss > np.maximum(least, CHANCE * np.sqrt(2.0 * counts))
+        return tuple(self.bench.prepared.files[row] for row in np.flatnonzero(worse))
+
     def lessens(self, names: Names) -> bool:
         """Whether a set leaves less of those recordings than the plain model, place and turn together."""
         rows = self.bench.held_out

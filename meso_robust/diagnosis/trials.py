@@ -116,6 +116,12 @@ def _tips(effect: str, prepared: Prepared) -> Iterable[Trial]:
         yield Trial(effect=effect, sizes={"change": 0.2}, shape={"tip": float(tip)})
 
 
+def _worn(effect: str, prepared: Prepared) -> Iterable[Trial]:
+    """Every tip alike, and each tip by itself where some of the pushes are made with two."""
+    for form in range(len(CATALOGUE[effect].forms) if prepared.waypoints.shape[2] > 1 else 1):
+        yield Trial(effect=effect, sizes={"excess_um": 2.0}, shape={FORM: float(form)})
+
+
 def _meniscus(effect: str, prepared: Prepared) -> Iterable[Trial]:
     """Walls in eight directions, as near as the part ever came; strength and place are one number."""
     scale = 1e6 * REFERENCE_LENGTH / prepared.length
@@ -298,7 +304,7 @@ TRIALS: Mapping[str, Try] = {
         "a push through the centre from each of four edges", sized(x_um=3.0, y_um=3.0)
     ),
     "tip_radius": Try(
-        "approaches to all four edges, contact seen at high frame rate", sized(excess_um=2.0)
+        "approaches to all four edges with each tip, contact seen at high frame rate", _worn
     ),
     "reference_offset": Try("pushes that turn the part by 20° or more", sized(x_um=3.0, y_um=3.0)),
     "part_yaw": Try("pushes on four edges at several headings", sized(angle_deg=0.2)),

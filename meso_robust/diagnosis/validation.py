@@ -233,18 +233,6 @@ def _freedom(at: Tangent) -> Floats:
     return np.maximum(at.seen.sum(axis=(1, 2)) - np.minimum(taken, 3), 1).astype(float)
 
 
-def improvement(before: Errors, after: Errors, seed: int) -> tuple[float, float]:
-    """Interval of the relative fall of the error in σ, by resampling recordings."""
-    rng = np.random.default_rng([seed, 2])
-    freedom = _freedom(before.at)
-    drawn = rng.integers(0, len(freedom), (_RESAMPLED, len(freedom)))
-    squares = [np.sum((one.sigma**2 * freedom)[drawn], axis=1) for one in (before, after)]
-    fall = 1.0 - np.sqrt(squares[1] / np.maximum(squares[0], 1e-300))
-    tail = 0.5 * (1.0 - _SHARE)
-    low, high = np.quantile(fall, [tail, 1.0 - tail])
-    return float(low), float(high)
-
-
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Extrapolation:
     """Errors on a kind of push that the fits have not seen.

@@ -117,18 +117,22 @@ def rotate_and_finish(
     return None
 
 
-def is_turned(setup: Setup) -> bool:
-    """Whether any turn of the part between two tips is proved from where it starts.
+def turn(pre: PoseBox, setup: Setup) -> Step | None:
+    """A robust rotation, whatever may follow it.
 
     Parameters
     ----------
-    setup
-        The task, in the axes of the turn.
+    pre, setup
+        All poses before it, and the task, in its axes.
+
+    Returns
+    -------
+    Step or None
+        Certified; None if none is found.
     """
-    pre = setup.start
     least, unit = _least_separation_um(pre, setup), fine(setup)
-    turned = (_turn(least + unit * extra, pre, setup) for extra in SEPARATION_STEPS_UM)
-    return any(one is not None for one in turned)
+    found = (_turn(least + unit * extra, pre, setup) for extra in SEPARATION_STEPS_UM)
+    return next((one[0] for one in found if one is not None), None)
 
 
 def beside_um(pre: PoseBox, setup: Setup) -> tuple[float, float]:

@@ -12,7 +12,7 @@ from enum import Enum
 from itertools import combinations
 
 from meso_robust.planning.effort import EffortSpentError, limited
-from meso_robust.planning.rotation import is_turned
+from meso_robust.planning.rotation import turn
 from meso_robust.planning.x_translation import upright
 from meso_robust.primitives.frame import HEADINGS, Frame, Heading
 from meso_robust.primitives.setup import Setup
@@ -69,7 +69,8 @@ def where(setup: Setup, turning: Sequence[Frame], headings: Sequence[Heading]) -
         In which it can be pushed.
     """
     if turning:
-        turned = any(is_turned(frame.setup(setup)) for frame in turning)
+        there = [frame.setup(setup) for frame in turning]
+        turned = any(turn(one.start, one) is not None for one in there)
         return Stuck.ARRIVING if turned else Stuck.TURNING
     frames = (Frame(heading=heading) for heading in headings)
     straightened = any(_straightens(frame.setup(setup)) for frame in frames)

@@ -11,11 +11,13 @@ from dataclasses import dataclass, replace
 
 from meso_robust import units
 from meso_robust.bounds import Interval, Verdict
-from meso_robust.planning.rotation import rotate_and_insert
+from meso_robust.planning.rotation import rotate_and_insert, turn
 from meso_robust.planning.x_translation import upright
 from meso_robust.primitives.move import Aim, MoveRule, from_part
+from meso_robust.primitives.obligation import Step
 from meso_robust.primitives.rotation import certify_rotation
 from meso_robust.primitives.setup import PoseBox, Setup
+from meso_robust.primitives.straighten import certify_straighten
 
 NARROW_DEG, WIDE_DEG = (1.0, 0.5), (3.0, 1.5, 0.75)
 """Widths of a slice of leaning angles, the widest that can be proved: a narrow one says better where
@@ -84,8 +86,12 @@ def pushes(setup: Setup, angle: float, widths_deg: tuple[float, ...]) -> list[Pu
 def _push(setup: Setup, angle: float, lean: Interval) -> Push | None:
     at = Interval.point(0.0)
     theta = Interval.point(angle) + lean - setup.uncertainty.sensed_orientation
-    step = upright(PoseBox(x=at, y=at, theta=theta), setup, step=3, primitive="x_translation")
-    return None if step is None else Push(lean=lean, rule=step.rule)
+    pre, slips = PoseBox(x=at, y=at, theta=theta), setup.may_slip
+    step = upright(pre, setup, step=3, primitive="x_translation", slipping=slips)
+    # all poses on the way are wanted of a cell, and those of a tip that slips are not always bounded
+    if step is None or certify_straighten(step.rule, pre, setup).verdict is not Verdict.PROVED:
+        return None
+    return Push(lean=lean, rule=step.rule)
 
 
 def _mirrored(push: Push) -> Push:
@@ -126,8 +132,9 @@ def _turn(setup: Setup, angle: float, strip: Interval) -> Turn | None:
         y=origin + Interval.point(strip.mid) + u.sensed_position + u.sensed_position,
         theta=upright + u.sensed_orientation + Interval(-NARROW_LEAN, NARROW_LEAN),
     )
-    pair = rotate_and_insert(narrow, setup)
-    if pair is None:
+    # where tips differ, poses after it are too many for one push: others bring the part to the goal
+    found = turn(narrow, setup) if setup.may_slip else _first(rotate_and_insert(narrow, setup))
+    if found is None:
         return None
     lean = Interval(-straight_lean(setup), straight_lean(setup))
     wide = PoseBox(
@@ -135,10 +142,14 @@ def _turn(setup: Setup, angle: float, strip: Interval) -> Turn | None:
     )
     clear = units.to_um(setup.half_length.hi * lean.hi)
     for shorter in SHORTER_UM:
-        rule = _roomier(pair[0].rule, clear, shorter)
+        rule = _roomier(found.rule, clear, shorter)
         if certify_rotation(rule, wide, setup, rough=True).verdict is Verdict.PROVED:
             return Turn(height=strip, origin=setup.goal.y.mid, rule=rule)
     return None
+
+
+def _first(moves: tuple[Step, Step] | None) -> Step | None:
+    return None if moves is None else moves[0]
 
 
 def _roomier(rule: MoveRule, clear_um: float, shorter_um: float) -> MoveRule:

@@ -11,6 +11,7 @@ from markupsafe import Markup
 from meso_robust.diagnosis.document import DiagnosisDocument, HeldOutRecording
 from meso_robust.diagnosis.evidence import Evidence
 from meso_robust.provenance import made_with
+from meso_robust.recordings.direct.document import words
 from meso_robust.recordings.direct.run import DirectTests
 from meso_robust.reporting import pages
 from meso_robust.reporting.diagnosis_figures import (
@@ -107,7 +108,7 @@ def diagnosis_report(
     better = "Does the fit improve?" if extended else "Error on held-out recordings"
     return pages.page(
         pages.Report(
-            banner=_banner(document, source),
+            banner=_banner(document, source, direct),
             sections=(
                 pages.section(
                     body,
@@ -160,8 +161,10 @@ def diagnosis_report(
     )
 
 
-def _banner(document: DiagnosisDocument, source: str) -> pages.Banner:
+def _banner(document: DiagnosisDocument, source: str, direct: DirectTests | None) -> pages.Banner:
     look = LOOKS[document.verdict]
+    seen = words(direct) if direct is not None and document.verdict == "unknown" else ()
+    without = f"; tip and part by themselves, without any model, look {seen[0]}" if seen else ""
     return pages.Banner(
         verb="diagnose",
         subject=source,
@@ -169,7 +172,7 @@ def _banner(document: DiagnosisDocument, source: str) -> pages.Banner:
         word=document.verdict.upper(),
         colour=look.colour,
         meaning=Markup("<strong>{}</strong><br>{}<br>Why: {}.").format(
-            answer(document), look.meaning, document.why.rstrip(".")
+            answer(document) + without, look.meaning, document.why.rstrip(".")
         ),
         figures=_figures(document),
     )

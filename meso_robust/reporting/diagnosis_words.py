@@ -58,6 +58,14 @@ PHASES = {
     "rest": "rest",
 }
 COMPONENTS = {"x": "x", "y": "y", "theta": "θ"}
+_MATTER_OF = {
+    "support": "what the part slides on",
+    "contact": "what tip and part do where they touch",
+    "actuation": "where the probes really are",
+    "observation": "what the camera sees or the tracker makes of it",
+    "environment": "something that pulls or pushes besides the probes",
+    "geometry": "the shapes of part and tips",
+}
 _IN_WORDS = (FORM, "turned")
 """Numbers that say how an effect acts: where they were held, words say more."""
 _UNITS = {"_um2": " µm²", "_um_s": " µm/s", "_um": " µm", "_deg": "°", "_ms": " ms", "_s": " s"}
@@ -84,8 +92,11 @@ def _finding(document: DiagnosisDocument) -> str:
     unexplained = "no effect of the catalogue explains it"
     if _shakes(document):
         return f"{unexplained}; {_shaking(document)}"
+    left = document.remainder
+    if left is not None and left.stage in _MATTER_OF:
+        unexplained += f"; it is most likely a matter of {_MATTER_OF[left.stage]}"
     spans = document.mismatch.where
-    return f"{unexplained}; largest in {span_words(spans[0])}" if spans else unexplained
+    return f"{unexplained}; largest in {_place(spans[0])}" if spans else unexplained
 
 
 def _shakes(document: DiagnosisDocument) -> bool:
@@ -255,8 +266,12 @@ def set_words(names: Iterable[str]) -> str:
 
 def span_words(span: WhereSection) -> str:
     """Recording, time, phase, stage and component of a span."""
+    return _place(span, f"{span.channel}, ")
+
+
+def _place(span: WhereSection, stage: str = "") -> str:
     time = f"{span.start_s:.2f}–{span.end_s:.2f} s"
-    what = f"{span.channel}, {COMPONENTS[span.component]}, {significant(span.sigma, 3)} σ"
+    what = f"{stage}{COMPONENTS[span.component]}, {significant(span.sigma, 3)} σ"
     grows = f", grows with {span.grows_with}" if span.grows_with else ""
     return f"{span.recording} at {time} ({PHASES[span.phase]}): {what}{grows}"
 

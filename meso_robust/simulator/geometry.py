@@ -38,8 +38,9 @@ GEOMETRY = Stage(
             name="tip_radius",
             equation="r = stated radius + e",
             source="wear or dirt of the tip",
+            forms=("every tip", "the first tip only", "the second tip only"),
             parameters=(
-                Parameter(key="excess_um", unit="µm", to_si=_UM, meaning="e, for every probe"),
+                Parameter(key="excess_um", unit="µm", to_si=_UM, meaning="e, of the tips of the form"),
             ),
         ),
         Effect(
@@ -71,6 +72,7 @@ _OUT_FORM = GEOMETRY.slot("part_geometry", FORM)
 _SIDES = np.array([[0.0, 0.0], [1.0, 1.0], [1.0, -1.0], [-1.0, 1.0], [-1.0, -1.0]])
 EXCESS = GEOMETRY.slot("tip_radius", "excess_um")
 """Column of the excess of the tips' radius."""
+_EXCESS_FORM = GEOMETRY.slot("tip_radius", FORM)
 _OFFSET_X = GEOMETRY.slot("reference_offset", "x_um")
 _OFFSET_Y = GEOMETRY.slot("reference_offset", "y_um")
 _YAW = GEOMETRY.slot("part_yaw", "angle_deg")
@@ -143,7 +145,9 @@ def radii(stated: Floats, table: Floats) -> Floats:
     Floats
         (1|N, P) m.
     """
-    return np.asarray(stated + table[:, EXCESS : EXCESS + 1])
+    form = table[:, _EXCESS_FORM, None]
+    own = (form == 0.0) | (form == np.arange(1.0, np.shape(stated)[-1] + 1.0))
+    return np.asarray(stated + own * table[:, EXCESS : EXCESS + 1])
 
 
 def reference_of_tracked(poses: Floats, table: Floats) -> Floats:

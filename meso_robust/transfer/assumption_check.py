@@ -231,7 +231,9 @@ def _of_effect(document: ModelDocument, effect: str, budget: Budget) -> Standing
         return Standing(name=effect, word="off", said="no size but zero is left")
     if line is None or line.absorb is None:
         return _broken(effect, line, _size(effect, ranges))
-    if ranges.get(FORM, OFF) != OFF:  # the bounds are derived of the first form of a law
+    if (
+        ranges.get(FORM, OFF) != OFF and not line.any_form
+    ):  # the bounds are derived of the first form of a law
         return _broken(effect, line, ", by another form of the law: " + _form(effect, ranges))
     if line.rectangle and not budget.rectangle:
         return _broken(effect, line, ", and it is bounded for a film under a rectangle only")

@@ -179,8 +179,10 @@ def unmodelled_wall(ranges: Ranges, _: Budget) -> Absorbed:
 
 
 def tip_radius(ranges: Ranges, _: Budget) -> Absorbed:
-    """Every tip is larger than stated by the same."""
+    """Every tip is larger than stated by the same, or one of them: nobody says which tip of a plan that is."""
     low, high = ranges["excess_um"]
+    if ranges.get("form", NOTHING) != NOTHING:
+        low, high = min(low, 0.0), max(high, 0.0)
     return Absorbed(said=f"tips larger by {low:g} … {high:g} µm than stated", radius_um=(low, high))
 
 

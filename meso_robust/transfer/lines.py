@@ -41,6 +41,8 @@ class Line:
     """What breaks, or why nothing does."""
     absorb: Absorb | None = None
     """How it is absorbed in the task; None: it is not, and nothing is proved."""
+    any_form: bool = False
+    """Whether it is of every form of the effect's law, not of the first one only."""
     even: bool = False
     """Whether the bound is of a film that nothing else keeps from being even."""
     rectangle: bool = False
@@ -208,6 +210,7 @@ LINES: Mapping[str, Line] = {
         derivation="derivations/round_tips.py",
         why="a round tip rolls on the edge while the part turns: the contact does not stay at d2",
         absorb=inflation.tip_radius,
+        any_form=True,
     ),
     "reference_offset": _sensing(
         "the tracker follows another point of the part", inflation.reference_offset

@@ -96,7 +96,7 @@ def test_noise_that_nothing_tells_is_weighed_by_the_fit() -> None:
     assert found.plain.held_out is None
     values = document(found, "0")
     assert values.noise.source == "residuals of the fit"
-    assert values.held_out.recordings == ()
+    assert len(values.held_out.recordings) == 5  # but each is predicted without itself
     assert values.held_out.noise_floor_sigma == found.baseline.noise.floor
     assert found.verdict == "consistent"
     assert told[-1] == "predicting recordings left out of the fit"

@@ -12,7 +12,7 @@ from meso_robust.diagnosis.answer import document
 from meso_robust.diagnosis.candidates import best_of_each
 from meso_robust.diagnosis.diagnose import Diagnosis, diagnose
 from meso_robust.diagnosis.refit import Refit
-from meso_robust.diagnosis.trials import Trial, trials
+from meso_robust.diagnosis.trials import Trial, trials, trials_of
 from meso_robust.simulator.catalogue import CATALOGUE
 from tests.diagnosis.conftest import small_set
 
@@ -100,4 +100,14 @@ def test_every_form_of_a_law_is_tried(wall: Diagnosis) -> None:
     tried = {(one.effect, one.law) for one in trials(wall.baseline.prepared)}
     for name, effect in CATALOGUE.items():
         for law in range(len(effect.forms)):
-            assert (name, float(law)) in tried
+            # one tip of two is no other law where all pushes are made with one
+            assert ((name, float(law)) in tried) != (name == "tip_radius" and law > 0)
+
+
+def test_each_tip_may_be_worn_by_itself_where_there_are_two(wall: Diagnosis) -> None:
+    prepared = wall.baseline.prepared
+    way = prepared.waypoints
+    assert way.shape[2] == 1
+    two = replace(prepared, waypoints=np.concatenate([way, way + 1e-3], axis=2))
+    assert [one.law for one in trials_of("tip_radius", two)] == [0.0, 1.0, 2.0]
+    assert [one.law for one in trials_of("tip_radius", prepared)] == [0.0]

@@ -13,7 +13,6 @@ from meso_robust.diagnosis.validation import (
     Errors,
     errors,
     extrapolated,
-    improvement,
     trained,
     without,
 )
@@ -86,25 +85,6 @@ def test_errors_of_the_fit_itself(null: Diagnosis, late: Diagnosis) -> None:
     assert late.extended is not None
     assert late.plain.training.whole > 2.0
     assert late.extended.training.whole == pytest.approx(1.0, abs=0.1)
-
-
-def made(true: Errors, sigma: list[float]) -> Errors:
-    return replace(true, sigma=np.array(sigma))
-
-
-def test_an_improvement_that_all_recordings_show_has_no_width(true: Errors) -> None:
-    before = made(true, [4.0, 8.0])
-    assert improvement(before, made(true, [1.0, 2.0]), 0) == pytest.approx((0.75, 0.75))
-    assert improvement(before, before, 0) == (0.0, 0.0)
-
-
-def test_an_improvement_that_one_recording_shows_is_wide(true: Errors) -> None:
-    before, after = made(true, [4.0, 4.0]), made(true, [4.0, 1.0])
-    low, high = improvement(before, after, 0)
-    # of two recordings drawn twice, a quarter of the draws has only the first, one only the second
-    assert (low, high) == pytest.approx((0.0, 0.75))
-    assert improvement(before, after, 0) == (low, high)
-    assert improvement(after, before, 0)[0] < -1.0
 
 
 def test_another_kind_of_push_is_left_out_of_both_fits(late: Diagnosis) -> None:

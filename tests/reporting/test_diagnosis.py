@@ -108,8 +108,9 @@ def test_the_answer_is_one_sentence_that_a_laboratory_can_act_on() -> None:
         f"5.21 µm; {LEFT}; {next_one}"
     )
     assert answer(document("unknown")) == (
-        "no effect of the catalogue explains it; largest in a<b>&$x$_0.csv at 1.70–4.20 s (one tip): "
-        f"support, θ, 12.3 σ, grows with <speed>; {LEFT}; {next_one}"
+        "no effect of the catalogue explains it; it is most likely a matter of what tip and part do where they touch; "
+        "largest in a<b>&$x$_0.csv at 1.70–4.20 s (one tip): "
+        f"θ, 12.3 σ, grows with <speed>; {LEFT}; {next_one}"
     )
 
 

@@ -9,7 +9,7 @@ import pytest
 
 from meso_robust.simulator import Effects, Film, Outcome, Push, PushResult, Round, simulate
 from meso_robust.simulator.catalogue import CATALOGUE
-from meso_robust.simulator.geometry import outlines
+from meso_robust.simulator.geometry import outlines, radii
 from meso_robust.simulator.observation import observe, unseen
 from tests.simulator.problems import HALF_SHORT, RHO, UM, rectangle
 from tests.simulator.test_effects import ON, lifted
@@ -20,7 +20,7 @@ SIZES = {**ON, "camera_drift": {"x_um_s": 2.0, "y_um_s": 0.0}}
 OTHERS = [
     (name, float(law))
     for name in WITH_FORMS
-    if name in ON
+    if name in ON and name != "tip_radius"  # of one tip it is another motion with two tips only
     for law in range(1, len(CATALOGUE[name].forms))
 ]
 
@@ -52,6 +52,14 @@ def test_another_form_is_another_motion_and_no_size_is_none(name: str, law: floa
     other = run(form=law)
     assert (other.outcomes == Outcome.COMPLETED).all()
     assert np.abs((other.poses - plain) * [1, 1, 1e-3]).max() > 1e-9
+
+
+@pytest.mark.parametrize(("form", "worn"), [(0.0, (1, 1)), (1.0, (1, 0)), (2.0, (0, 1))])
+def test_one_tip_alone_is_worn(form: float, worn: tuple[int, int]) -> None:
+    table = Effects({"tip_radius": {"excess_um": [2.0, -1.0], "form": form}}).table
+    found = radii(np.array([10e-6, 12e-6]), table)
+    by = np.array([[2e-6], [-1e-6]]) * np.array(worn)
+    np.testing.assert_allclose(found, np.array([10e-6, 12e-6]) + by, rtol=1e-12)
 
 
 def test_a_wall_by_a_power_pulls_as_stated() -> None:

@@ -80,9 +80,10 @@ def words(tests: DirectTests) -> tuple[str, ...]:
     Returns
     -------
     tuple of str
-        Effect, sizes with 90 % intervals, what they remove, and how sure that is.
+        Effect, sizes with 90 % intervals, what they remove, and how sure that is: it looks as if it were
+        so, for another effect may move tip and face alike.
     """
-    return tuple(finding_words(one) for one in tests.findings)
+    return tuple(f"as if {finding_words(one)}" for one in tests.findings)
 
 
 def finding_words(one: Finding) -> str:
