@@ -65,6 +65,11 @@ class Campaigned(Result):
         """Whether all was done, and nothing was broken or left open."""
         return self.verdict not in NEGATIVE
 
+    @property
+    def brief(self) -> str:
+        """The verdict."""
+        return f"{self.verdict}: {self.answer.campaign.name}"
+
     def __str__(self) -> str:
         from meso_robust.campaigns.answer import summary
 

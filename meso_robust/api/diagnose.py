@@ -114,7 +114,7 @@ def diagnose(
     recordings
         A recording set, or the name of its folder.
     model
-        The plain model: viscous …
+        The plain model: viscous, for a film; three_point, uniform_pressure or limit_surface for a dry part.
     quick
         Fewer simulated sets and candidates; a coarser answer.
     relevant_um

@@ -65,8 +65,8 @@ class Result(ABC):
 
     @property
     def brief(self) -> str:
-        """The answer as ``--quiet`` prints it."""
-        return ""
+        """The answer as ``--quiet`` prints it: by default its first line."""
+        return str(self).partition("\n")[0]
 
     @property
     def why_not(self) -> str:

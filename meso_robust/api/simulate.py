@@ -59,6 +59,12 @@ class Simulated(Result):
         """The animation of the runs."""
         return {"animation": "animation.html"}
 
+    @property
+    def brief(self) -> str:
+        """How many of the sampled runs end in the goal."""
+        sampled = self.document.sampled
+        return f"{sampled.in_goal} of {sampled.runs} runs end in the goal"
+
     def __str__(self) -> str:
         from meso_robust.laboratory.simulation_answer import summary
 

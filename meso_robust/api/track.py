@@ -57,6 +57,13 @@ class Tracked(Result):
 
         return "" if self.tracked else lost_in_words(self.document)
 
+    @property
+    def brief(self) -> str:
+        """In how many frames of all videos the part was found."""
+        videos = self.document.videos
+        found, frames = (sum(getattr(one, key) for one in videos) for key in ("found", "frames"))
+        return f"part found in {found} of {frames} frames"
+
     def __str__(self) -> str:
         from meso_robust.wording import counted
 

@@ -52,6 +52,7 @@ VISCOSITY = "film_viscosity"
 FORM_NATS = 5.0
 """Lead of a form of a law from which on it is told, times what is left of the data over the noise: where
 everything is a little wrong, a likelihood is overconfident."""
+_IN_ORDER = 0.8  # rank correlation from which on friction is told to change with use
 _PAIRS = 24  # that are listed
 _LISTED = 12  # tests and candidates that are listed
 
@@ -221,10 +222,13 @@ def _why(found: Diagnosis) -> str:
 
 def _each_push(own: EachPush) -> str:
     """What is told where the friction differs from push to push."""
+    trend = ""
+    if abs(own.order) >= _IN_ORDER:
+        trend = f"; it {'rises' if own.order > 0.0 else 'falls'} in the order of the files, as if tips or edges changed with use"
     return (
         f"friction of its own in every push, told by the first half of the push, explains {100.0 * own.explained.share:.0f} % "
         f"of the explainable error of the second halves: {own.least:.2g} to {own.most:.2g} in the {own.pushes} pushes that "
-        "tell it; no recording predicts that of another one"
+        f"tell it; no recording predicts that of another one{trend}"
     )
 
 

@@ -222,14 +222,20 @@ def diagnose(
         if not quick and _explains(other):
             other = _answered(recordings, noise, before, asked)
         found = other if _explains(other) else found
-    return _by_push(found) if found.verdict == "unknown" else found
+    return _by_push(found) if found.verdict in ("unknown", "partial") else found
 
 
 def _by_push(found: Diagnosis) -> Diagnosis:
-    """A diagnosis without a name, partial if friction of its own in every push explains most of the error."""
+    """A diagnosis without a name, partial if friction of its own in every push explains most of the error.
+
+    So is one in which that surely explains more than the effects that were found.
+    """
     grade = found.grade
+    least = MOST if grade.explained is None else max(MOST, grade.explained.high)
+    if least >= 1.0:
+        return found
     own = each_push(grade.bench, grade.plain, grade.floor, found.seed)
-    if own is None or not (own.explained.tells and own.explained.low >= MOST):
+    if own is None or not (own.explained.tells and own.explained.low >= least):
         return found
     partial = replace(
         grade,

@@ -48,7 +48,7 @@ class BaselineSection(_Section):
     """The plain model, fitted to the training recordings."""
 
     model: Key
-    """The plain model: viscous or three_points."""
+    """The plain model, as `--model` names it: viscous, three_point …"""
     parameters: dict[Key, ValueSection]
     """Its parameters by name."""
 

@@ -7,9 +7,11 @@ alone, and is judged by the rest, against the prediction of the plain model by t
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.stats import spearmanr
 
 from meso_robust.diagnosis.folds import Bench, RollOut
 from meso_robust.diagnosis.judge import INTERVAL, Explained, explained, resampled
@@ -40,6 +42,8 @@ class EachPush:
         How many tell theirs.
     explained
         Share of the explainable error of the last parts of all pushes.
+    order
+        Rank correlation with the order of the files' names, in which a laboratory records.
     """
 
     spread: tuple[float, float, float]
@@ -47,6 +51,7 @@ class EachPush:
     most: float
     pushes: int
     explained: Explained
+    order: float = 0.0
 
 
 def each_push(bench: Bench, plain: RollOut, floor: float, seed: int) -> EachPush | None:
@@ -94,7 +99,8 @@ def each_push(bench: Bench, plain: RollOut, floor: float, seed: int) -> EachPush
     after = np.where(telling, rest[best, rows], before)
     whole = before - noise
     # one in which the tip sticks tells a bound of its friction, no number
-    own = of[best[_rise(told, best) & _rise(told[::-1], len(of) - 1 - best)]]
+    tells = _rise(told, best) & _rise(told[::-1], len(of) - 1 - best)
+    own = of[best[tells]]
     if whole.sum() <= 0.0 or len(own) < _FEWEST:
         return None
     share = float(np.sum(before - after) / whole.sum())
@@ -104,7 +110,14 @@ def each_push(bench: Bench, plain: RollOut, floor: float, seed: int) -> EachPush
         most=float(own.max()),
         pushes=len(own),
         explained=explained(before - after, whole, share, len(rows), seed),
+        order=_order(own, [bench.prepared.files[row] for row in np.flatnonzero(tells)]),
     )
+
+
+def _order(own: Floats, files: Sequence[str]) -> float:
+    """Rank correlation of numbers with the order of names; nought of numbers that are all one."""
+    places = np.argsort(np.argsort(files))
+    return 0.0 if np.ptp(own) == 0.0 else float(spearmanr(own, places).statistic)
 
 
 def _rise(told: Floats, best: Ints) -> Flags:

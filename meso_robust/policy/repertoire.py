@@ -7,7 +7,9 @@ to where it is wanted.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from itertools import product
 
 from meso_robust import units
 from meso_robust.bounds import Interval, Verdict
@@ -19,10 +21,12 @@ from meso_robust.primitives.rotation import certify_rotation
 from meso_robust.primitives.setup import PoseBox, Setup
 from meso_robust.primitives.straighten import certify_straighten
 
-NARROW_DEG, WIDE_DEG = (1.0, 0.5), (3.0, 1.5, 0.75)
+NARROW_DEG, WIDE_DEG = (1.0, 0.5, 2.0, 3.0), (3.0, 1.5, 0.75)
 """Widths of a slice of leaning angles, the widest that can be proved: a narrow one says better where
-the part goes, a wide one needs fewer cells."""
+the part goes, a wide one needs fewer cells. Wide ones come last where the way of narrow ones is long: no tip
+sticks in all of a wide slice, and one that slips may turn the part sooner."""
 LARGEST_LEAN_DEG = 15.0
+LONG = 3.0  # over the reach of the part: a push that goes farther leaves what is looked at
 OVERLAP_DEG = 0.02  # of neighbouring slices
 STRIP_UM = 36.0  # width of the sensed heights that one rotation serves, neighbours overlap by 1 um
 LOWEST_UM, HIGHEST_UM = -60.0, 220.0  # heights above the goal at which rotations are tried
@@ -39,6 +43,11 @@ class Push:
     """Sensed orientation minus that of the edge upright to the push, rad."""
     rule: MoveRule
     """Ends as soon as the part is straight, whatever the errors."""
+
+    @property
+    def way_um(self) -> float:
+        """Travel of the pair."""
+        return self.rule.dual.x.offset_um - self.rule.dual_end.offset_um
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -71,11 +80,11 @@ def pushes(setup: Setup, angle: float, widths_deg: tuple[float, ...]) -> list[Pu
         Of the slices of leans, the first one that can be proved.
     """
     straight = straight_lean(setup)
-    found = [_push(setup, angle, Interval(-straight, straight))]
+    found = [_push(setup, angle, Interval(-straight, straight), slipping=setup.may_slip)]
     low = straight - units.DEG * OVERLAP_DEG
     while low < units.DEG * LARGEST_LEAN_DEG:
-        slices = (Interval(low, low + units.DEG * width) for width in widths_deg)
-        push = next((p for p in (_push(setup, angle, lean) for lean in slices) if p), None)
+        slices = [Interval(low, low + units.DEG * width) for width in widths_deg]
+        push = _soonest(setup, angle, slices)
         if push is None:
             break
         found += [push, _mirrored(push)]
@@ -83,11 +92,27 @@ def pushes(setup: Setup, angle: float, widths_deg: tuple[float, ...]) -> list[Pu
     return [push for push in found if push is not None]
 
 
-def _push(setup: Setup, angle: float, lean: Interval) -> Push | None:
+def _soonest(setup: Setup, angle: float, slices: Sequence[Interval]) -> Push | None:
+    """The push for the widest slice that does not take a long way, or else the one with the shortest.
+
+    Close to the lean at which a tip no longer sticks for certain it may hardly turn the part; one that slips
+    turns it sooner.
+    """
+    shortest: Push | None = None
+    for lean, slipping in product(slices, (False, True) if setup.may_slip else (False,)):
+        push = _push(setup, angle, lean, slipping=slipping)
+        if push is not None and (shortest is None or push.way_um < shortest.way_um):
+            shortest = push
+        if shortest is not None and shortest.way_um < LONG * units.to_um(setup.outline.reach):
+            break
+    return shortest
+
+
+def _push(setup: Setup, angle: float, lean: Interval, *, slipping: bool) -> Push | None:
     at = Interval.point(0.0)
     theta = Interval.point(angle) + lean - setup.uncertainty.sensed_orientation
-    pre, slips = PoseBox(x=at, y=at, theta=theta), setup.may_slip
-    step = upright(pre, setup, step=3, primitive="x_translation", slipping=slips)
+    pre = PoseBox(x=at, y=at, theta=theta)
+    step = upright(pre, setup, step=3, primitive="x_translation", slipping=slipping)
     # all poses on the way are wanted of a cell, and those of a tip that slips are not always bounded
     if step is None or certify_straighten(step.rule, pre, setup).verdict is not Verdict.PROVED:
         return None

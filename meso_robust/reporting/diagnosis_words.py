@@ -15,6 +15,7 @@ from meso_robust.diagnosis.document import (
     Verdict,
     WhereSection,
 )
+from meso_robust.diagnosis.rejection import Ground
 from meso_robust.reporting.pages import Colour
 from meso_robust.reporting.words import number, signed, significant
 from meso_robust.simulator.catalogue import CATALOGUE
@@ -59,7 +60,7 @@ PHASES = {
 }
 COMPONENTS = {"x": "x", "y": "y", "theta": "θ"}
 _MATTER_OF = {
-    "support": "what the part slides on",
+    "support": "what the part slides on (if that is no film, ask with --model three_point)",
     "contact": "what tip and part do where they touch",
     "actuation": "where the probes really are",
     "observation": "what the camera sees or the tracker makes of it",
@@ -88,13 +89,15 @@ def _finding(document: DiagnosisDocument) -> str:
     if document.verdict == "ambiguous":
         return f"{' or '.join(sets(document))}{explained_words(document)}"
     if document.verdict in ("named", "partial"):
-        return f"{effects_words(document)}{explained_words(document)}"
+        same = "".join(
+            f" (or, by the same motion, {set_words(one)})" for one in same_motions(document)
+        )
+        return f"{effects_words(document)}{same}{explained_words(document)}"
     unexplained = "no effect of the catalogue explains it"
     if _shakes(document):
         return f"{unexplained}; {_shaking(document)}"
-    left = document.remainder
-    if left is not None and left.stage in _MATTER_OF:
-        unexplained += f"; it is most likely a matter of {_MATTER_OF[left.stage]}"
+    if matter := _matter(document):
+        unexplained += f"; it is most likely a matter of {matter}"
     spans = document.mismatch.where
     return f"{unexplained}; largest in {_place(spans[0])}" if spans else unexplained
 
@@ -305,7 +308,30 @@ def _effect_lines(document: DiagnosisDocument) -> list[str]:
         f"  {effect_words(effect)}, {standing_words(document, effect)}"
         for effect in document.effects
     ]
+    if document.verdict == "unknown" and (matter := _matter(document)):
+        lines.append(f"  most likely a matter of {matter}")
+    lines += [f"  or, by the same motion: {set_words(names)}" for names in same_motions(document)]
     return lines + [f"  or: {set_words(names)}" for names in document.ambiguous_with]
+
+
+def same_motions(document: DiagnosisDocument) -> list[tuple[str, ...]]:
+    """Sets that no recording can tell from the one that is given, as a tilted stage from a film that flows."""
+    given = {effect.name for effect in document.effects}
+    return [
+        one.effects
+        for one in document.candidates
+        if one.ground == Ground.SAME_MOTION
+        and document.extends
+        and len(one.effects) == len(given)
+        and len(given.symmetric_difference(one.effects)) == 2
+        and one.effects not in document.ambiguous_with
+    ]
+
+
+def _matter(document: DiagnosisDocument) -> str:
+    """What is left unexplained may be wrong with, if that is known."""
+    left = document.remainder
+    return "" if left is None or left.stage is None else _MATTER_OF[left.stage]
 
 
 def _where_lines(document: DiagnosisDocument) -> list[str]:

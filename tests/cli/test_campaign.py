@@ -86,7 +86,8 @@ def test_a_demand_that_is_not_met_is_negative(tmp_path: Path) -> None:
     path = written(tmp_path, FAILING | {"at_least": 0.99})
     status, said, _ = ran(path, "--out", tmp_path / "out", "--quiet")
     assert status == 1
-    assert said == ""
+    assert said.startswith("broken: ")
+    assert len(said.splitlines()) == 1
     page = (tmp_path / "out" / "report.html").read_text(encoding="utf-8")
     assert "is refuted" in page
 

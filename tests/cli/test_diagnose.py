@@ -146,10 +146,11 @@ def test_json_is_the_document_and_nothing_else(given: Any, folder: Path, tmp_pat
     assert done.stderr == ""
 
 
-def test_quiet_says_nothing(given: Any, folder: Path, tmp_path: Path) -> None:
+def test_quiet_says_the_verdict(given: Any, folder: Path, tmp_path: Path) -> None:
     given("unknown")
     done = run(folder, "--out", tmp_path / "out", "--quiet")
-    assert (done.exit_code, done.output) == (1, "")
+    assert (done.exit_code, len(done.output.splitlines())) == (1, 1)
+    assert done.output.startswith("UNKNOWN: ")
 
 
 def test_options_and_remarks_reach_the_diagnosis(

@@ -126,10 +126,12 @@ def test_json_prints_the_document_and_nothing_else(tmp_path: Path) -> None:
     assert result.stderr == ""
 
 
-def test_quiet_says_nothing(tmp_path: Path) -> None:
+def test_quiet_says_how_many_runs_reach_the_goal(tmp_path: Path) -> None:
     result = simulate(PAPER, PLAN, "--out", tmp_path, "--samples", 4, "--quiet")
 
-    assert (result.exit_code, result.stdout, result.stderr) == (0, "", "")
+    assert (result.exit_code, result.stderr) == (0, "")
+    assert len(result.stdout.splitlines()) == 1
+    assert "4 of 4" in result.stdout
 
 
 def test_task_that_is_not_robust_is_status_1_and_says_what_jammed(tmp_path: Path) -> None:

@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Literal
 
 import numpy as np
 import pytest
 
+from meso_robust.diagnosis import diagnose as diagnosing
 from meso_robust.diagnosis.answer import document
-from meso_robust.diagnosis.diagnose import Diagnosis, diagnose
+from meso_robust.diagnosis.diagnose import Diagnosis, _by_push, diagnose
 from meso_robust.diagnosis.document import DiagnosisDocument
 from meso_robust.diagnosis.each_push import EachPush, each_push
 from meso_robust.diagnosis.folds import bench_of, rolled_out
+from meso_robust.diagnosis.judge import Explained
 from meso_robust.recordings import RecordingSet
 from tests.diagnosis.conftest import baseline_of
 from tests.diagnosis.designs import MU, random_plans, recorded_plans
@@ -82,3 +85,38 @@ def test_of_tips_without_friction_nothing_is_told() -> None:
     smooth = replace(plain, values=plain.values * [1.0, 0.0])
     assert each_push(bench, smooth, 1.0, 0) is None
     assert each_push(bench, plain, 1.0, 0) is None  # three pushes are too few
+
+
+def test_friction_that_rises_with_use_is_told_by_the_order_of_the_files() -> None:
+    rising, mixed = (own_of(slipping(own)) for own in (tuple(sorted(OWN)), OWN))
+    assert rising is not None
+    assert mixed is not None
+    assert rising.order > 0.9 > 0.5 > abs(mixed.order)
+
+
+@pytest.mark.parametrize(
+    ("verdict", "high", "by_push"),
+    [("partial", 0.78, True), ("partial", 0.97, False), ("unknown", None, True)],
+)
+def test_it_takes_the_place_of_effects_that_surely_explain_less(
+    late: Diagnosis,
+    monkeypatch: pytest.MonkeyPatch,
+    verdict: Literal["partial", "unknown"],
+    high: float | None,
+    *,
+    by_push: bool,
+) -> None:
+    own = EachPush(
+        spread=(0.2, 0.1, 0.3),
+        least=0.2,
+        most=0.4,
+        pushes=7,
+        explained=Explained(share=0.97, low=0.95, high=0.99, folds=12),
+        order=0.9,
+    )
+    monkeypatch.setattr(diagnosing, "each_push", lambda *_: own)
+    other = None if high is None else Explained(share=0.6, low=0.3, high=high, folds=6)
+    found = _by_push(replace(late, grade=replace(late.grade, verdict=verdict, explained=other)))
+    assert (found.each_push is own) is by_push
+    if by_push:
+        assert "rises in the order of the files" in document(found, "1").why

@@ -17,6 +17,7 @@ from matplotlib.patches import PathPatch, Rectangle
 
 from meso_robust.diagnosis.document import Channel, Verdict
 from meso_robust.diagnosis.evidence import Evidence
+from meso_robust.diagnosis.rejection import Ground
 from meso_robust.reporting import diagnosis_figures as figures
 from meso_robust.reporting.diagnosis import diagnosis_report
 from meso_robust.reporting.diagnosis_words import answer, stage_words, summary
@@ -230,6 +231,22 @@ def test_what_was_not_fitted_has_no_interval_and_what_is_not_enough_no_probabili
         "  stribeck_friction (support): ratio 1234567 [−2e+09, 3e+09], speed_um_s 30 µm/s (fixed), "
         "not enough alone"
     )
+
+
+def test_what_no_recording_tells_apart_is_told() -> None:
+    """A stage that is tilted and a film that flows move a part alike."""
+    given = document("named")
+    (first, *_) = given.candidates
+    twin = first.model_copy(update={"effects": ("drag_drift",), "ground": Ground.SAME_MOTION})
+    other = twin.model_copy(update={"effects": ("film_flow",), "ground": Ground.FAR_BEHIND})
+    longer = twin.model_copy(update={"effects": ("backlash", "drag_drift")})
+    found = given.model_copy(update={"candidates": (first, twin, other, longer)})
+
+    assert "  or, by the same motion: drag_drift" in summary(found).splitlines()
+    assert "(or, by the same motion, drag_drift)" in answer(found)
+    assert "film_flow" not in answer(found)
+    assert "backlash" not in answer(found)
+    assert "by the same motion" not in answer(given)
 
 
 @pytest.mark.parametrize(
