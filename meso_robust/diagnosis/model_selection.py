@@ -80,6 +80,14 @@ class Form:
     linear: bool
 
 
+def _other_law(form: Form, fits: Sequence[Refit]) -> bool:
+    """Whether a form is of the effect that is likeliest so far, with a law that was not fitted: which law it is is asked, too."""
+    trial = form.signature.trial
+    best = max(fits, key=lambda fit: fit.gain, default=None)
+    own = [one.trials[0].law for one in fits if one.effects == (trial.effect,)]
+    return best is not None and best.effects == (trial.effect,) and trial.law not in own
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Contest:
     """What all sets are judged by."""
@@ -130,7 +138,7 @@ class Contest:
             if done % _AT_ONCE == 0:
                 near = [one for one in chosen[done : done + _AT_ONCE] if self._promises(one, best)]
                 ahead(self.baseline, self.store, rough=[((one.signature,), None) for one in near])
-            if not self._promises(form, best):
+            if not (self._promises(form, best) or _other_law(form, fits)):
                 continue
             tried = self._tried((form.signature,), None)
             short |= {id(fit) for fit in tried if fit.gain < form.gain}
