@@ -44,6 +44,8 @@ def _waits(test: str, config: pytest.Config) -> bool:
     if not (recent or config.getoption("--fast")):
         return False
     touched, turn = _drawn(recent)
+    if recent and not turn:  # nothing is known of what has changed
+        return False
     return is_slow(test, touched, turn)
 
 

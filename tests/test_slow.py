@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import json
 
+import pytest
+
 from tests.slow import ONE_IN, ROOT, SLOW, changed, is_slow, last_commit
 
 
@@ -45,12 +47,24 @@ def test_every_slow_test_has_its_turn() -> None:
         assert 0.5 < ONE_IN * sum(turns) / len(turns) < 2.0, test
 
 
-def test_what_was_committed_lately_includes_what_differs_now() -> None:
-    assert last_commit() == "" or set(changed()) <= set(changed(recent=True))
+def test_a_file_and_its_tests_have_one_turn() -> None:
+    for file in ("tests/derivations/test_derive.py", "tests/reproduction/test_table.py"):
+        for turn in map(str, range(40)):
+            assert is_slow(file, (), turn) == is_slow(f"{file}::test_anything", (), turn)
+
+
+def test_nothing_waits_where_what_all_rests_on_has_changed() -> None:
+    assert is_slow("tests/derivations/test_derive.py", ("README.md",))
+    assert not is_slow("tests/derivations/test_derive.py", ("requirements.lock",))
+
+
+def test_without_git_everything_counts_as_unknown(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("GIT_DIR", "/nowhere")
+    assert (changed(recent=True), last_commit()) == ((), "")
 
 
 def test_no_quick_room_is_in_the_table() -> None:
-    """The proof, its checker and both engines are tested with every change."""
+    """Of the proof, its checker and both engines some tests are run with every change, whatever it is."""
     for room in ("bounds", "checker", "motion", "primitives", "quality", "simulator", "diagnosis"):
         assert not is_slow(f"tests/{room}/test_anything.py", ())
 

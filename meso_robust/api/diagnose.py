@@ -171,19 +171,21 @@ def diagnose(
             told=told,
             findings=direct.findings,
         )
-    seen = tuple(f"direct test: {line}" for line in words(direct))
-    made = answer.document(diagnosis, __version__, (*usable.warnings, *seen, *diagnosis.doubts))
-    if made.verdict == "named":  # by all recordings and all frames
-        names = {one.name for one in made.effects}
-        seen = tuple(
-            line if one.effect in names else f"{line}; what is named explains more"
-            for line, one in zip(seen, direct.findings, strict=True)
-        )
+    chosen = diagnosis.best.effects if diagnosis.best and diagnosis.verdict == "named" else None
+    seen = tuple(
+        f"direct test: {line}{_beside(one.effect, chosen)}"
+        for line, one in zip(words(direct), direct.findings, strict=True)
+    )
     warnings = (*usable.warnings, *seen, *diagnosis.doubts)
     return Diagnosed(
         diagnosis=diagnosis,
-        document=made,
+        document=answer.document(diagnosis, __version__, warnings),
         warnings=warnings,
         direct=direct,
         source=given.source,
     )
+
+
+def _beside(effect: str, named: tuple[str, ...] | None) -> str:
+    """What is said of a finding that is not what was named by all frames of all recordings."""
+    return "" if named is None or effect in named else "; the answer above is another one"

@@ -23,20 +23,20 @@ ROUNDING = arb(4e-15)
 """m, rad and m^2: bounds of the task are decimals, the numbers of a run doubles close to them. Of an
 orientation up to a whole turn, start and sensing error are four roundings of at most 1e-15 away."""
 _WHICH = f"(?:{'|'.join(TIPS)})"
-_MOVE = "move ([1-9][0-9]*)"
+_MOVE = "move ([1-9][0-9]{0,3})"
 BOUNDS: Mapping[str, Callable[[Given], Side]] = {
     "tip_spacing_m": lambda given: given.spacing,
     "(?:dtp_top|dtp_bottom) radius_m": lambda given: given.radius,
     "stp radius_m": lambda given: given.passive_radius,
-    "edge [1-9][0-9]* out_m": lambda given: given.size,
-    "edge [1-9][0-9]* turned_rad": lambda given: given.squareness,
+    "edge [1-9][0-9]{0,3} out_m": lambda given: given.size,
+    "edge [1-9][0-9]{0,3} turned_rad": lambda given: given.squareness,
     "drag_centre [xy]_m": lambda given: given.drag_centre,
     "drag_anisotropy (?:along|across)": lambda given: given.anisotropy,
     "drag_anisotropy of_stage": lambda given: (arb(0), arb(1)),
     f"{_MOVE} direction_rad": lambda given: given.direction,
     f"{_MOVE} scale": lambda given: given.scale,
-    f"{_MOVE} wander [0-9]+ [xy]_m": lambda given: given.wander,
-    f"{_MOVE} friction [1-9][0-9]* {_WHICH}": lambda given: given.friction,
+    f"{_MOVE} wander [0-9]{1, 3} [xy]_m": lambda given: given.wander,
+    f"{_MOVE} friction [1-9][0-9]{{0,2}} {_WHICH}": lambda given: given.friction,
 }
 """What a number of ``witness.more`` must lie within, by its name."""
 

@@ -22,7 +22,7 @@ from meso_robust.diagnosis.judge import NAMED, SURE, Explained
 from meso_robust.diagnosis.left_out import LeftOut, fall_of_error, left_out
 from meso_robust.diagnosis.next_push import next_experiment
 from meso_robust.diagnosis.refit import Refit
-from meso_robust.diagnosis.rejection import Rejection
+from meso_robust.diagnosis.rejection import Ground, Rejection
 from meso_robust.diagnosis.residual import ResidualLaw
 from meso_robust.diagnosis.tangent import CONFIDENCE, Interval, intervals
 from meso_robust.diagnosis.trials import Trial, tried
@@ -43,6 +43,7 @@ from meso_robust.simulator.catalogue import CATALOGUE, parameter_of, stage_of
 from meso_robust.simulator.stage import FORM
 from meso_robust.toml_files import toml_of
 from meso_robust.types import Floats
+from meso_robust.wording import counted
 
 UM, DEG = 1e6, 180.0 / np.pi
 SPREAD = "friction_spread"
@@ -52,7 +53,9 @@ VISCOSITY = "film_viscosity"
 FORM_NATS = 5.0
 """Lead of a form of a law from which on it is told, times what is left of the data over the noise: where
 everything is a little wrong, a likelihood is overconfident."""
+_BY_CHANCE = 0.01  # of a rank correlation as large, at most
 _IN_ORDER = 0.8  # rank correlation from which on friction is told to change with use
+_NAMED_FILES = 3  # that are told by name
 _PAIRS = 24  # that are listed
 _LISTED = 12  # tests and candidates that are listed
 
@@ -223,7 +226,7 @@ def _why(found: Diagnosis) -> str:
 def _each_push(own: EachPush) -> str:
     """What is told where the friction differs from push to push."""
     trend = ""
-    if abs(own.order) >= _IN_ORDER:
+    if abs(own.order) >= _IN_ORDER and own.order_p <= _BY_CHANCE:
         trend = f"; it {'rises' if own.order > 0.0 else 'falls'} in the order of the files, as if tips or edges changed with use"
     return (
         f"friction of its own in every push, told by the first half of the push, explains {100.0 * own.explained.share:.0f} % "
@@ -285,7 +288,9 @@ def _lacking(grade: Grade, explained: Explained) -> str:
     if explained.share < NAMED:
         return "not all of it"
     if grade.spoilt:
-        return f"but {', '.join(grade.spoilt[:3])} is predicted worse with it than without"
+        files, more = grade.spoilt[:_NAMED_FILES], len(grade.spoilt) - _NAMED_FILES
+        others = f" and {counted(more, 'more recording')}" if more > 0 else ""
+        return f"but with it {', '.join(files)}{others} would be predicted worse than without"
     if explained.low < SURE:
         return f"{100.0 * explained.low:.0f} % of it surely"
     return "not in every fold, or another set is likelier where both were fitted"
@@ -479,7 +484,12 @@ def _candidates(found: Diagnosis) -> tuple[dict[str, object], ...]:
 
 def _rejection(why: Rejection | None) -> dict[str, object]:
     """As words and as an id."""
-    return {"rejected": why.words if why else "", "ground": why.ground if why else None}
+    same = why is not None and why.ground is Ground.SAME_MOTION
+    return {
+        "rejected": why.words if why else "",
+        "ground": why.ground if why else None,
+        "instead": tuple(sorted(why.names)) if why is not None and same else (),
+    }
 
 
 def _held_out(found: Diagnosis) -> dict[str, Any]:

@@ -226,6 +226,8 @@ class CandidateSection(_Section):
     """Why it was rejected; empty if it was not."""
     ground: Ground | None = None
     """The same as an id; null for one that is."""
+    instead: tuple[str, ...] = ()
+    """Of `same-motion` the set that makes the same motion."""
 
 
 class PairSection(_Section):
@@ -304,10 +306,10 @@ class HeldOutRecording(_Section):
 
 
 class HeldOutSection(_Section):
-    """Errors on recordings that no fit has seen, before and after, from the pose seen at rest."""
+    """Errors of recordings, each predicted from the pose seen at rest by a fit to others, before and after."""
 
     recordings: tuple[Key, ...]
-    """CSV files that were held out."""
+    """CSV files, each left out of a fit in its turn."""
     baseline_sigma: NotNegative
     """Root mean square over the noise."""
     extended_sigma: NotNegative
@@ -335,7 +337,7 @@ class HeldOutSection(_Section):
     extrapolation_extended_sigma: NotNegative | None = None
     """The same of the extended model."""
     black_box_sigma: NotNegative | None = None
-    """What a regression with as many numbers reaches on the same recordings."""
+    """What a regression with as many numbers reaches on recordings that no set of effects was chosen by."""
     each: tuple[HeldOutRecording, ...] = ()
     """The errors recording by recording."""
 
@@ -462,7 +464,7 @@ class DiagnosisDocument(_Section):
     covariates: tuple[CovariateSection, ...] = ()
     """What the misfit grows with."""
     catch_all_sigma: NotNegative | None = None
-    """Error on held-out recordings that a free hidden input leaves."""
+    """Error that a free hidden input leaves of recordings that no set of effects was chosen by."""
     decoys: Count = 0
     """Signatures of the best set put on other recordings and in wrong frames."""
     decoy_share: Probability | None = None
@@ -470,7 +472,7 @@ class DiagnosisDocument(_Section):
     control: ControlSection | None = None
     """Spans that must not improve; null if there are none."""
     held_out: HeldOutSection
-    """Errors before and after on recordings that no fit has seen."""
+    """Errors before and after of every recording, each predicted by a fit to others."""
     next_experiment: NextExperiment
     """What to record next."""
     provenance: ProvenanceSection

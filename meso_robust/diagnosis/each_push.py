@@ -7,6 +7,7 @@ alone, and is judged by the rest, against the prediction of the plain model by t
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -42,8 +43,9 @@ class EachPush:
         How many tell theirs.
     explained
         Share of the explainable error of the last parts of all pushes.
-    order
-        Rank correlation with the order of the files' names, in which a laboratory records.
+    order, order_p
+        Rank correlation with the order of the files' names, in which a laboratory records, and the chance of
+        one as large.
     """
 
     spread: tuple[float, float, float]
@@ -52,6 +54,7 @@ class EachPush:
     pushes: int
     explained: Explained
     order: float = 0.0
+    order_p: float = 1.0
 
 
 def each_push(bench: Bench, plain: RollOut, floor: float, seed: int) -> EachPush | None:
@@ -104,20 +107,31 @@ def each_push(bench: Bench, plain: RollOut, floor: float, seed: int) -> EachPush
     if whole.sum() <= 0.0 or len(own) < _FEWEST:
         return None
     share = float(np.sum(before - after) / whole.sum())
+    order, chance = _order(own, [bench.prepared.files[row] for row in np.flatnonzero(tells)])
     return EachPush(
         spread=_spread(own, seed),
         least=float(own.min()),
         most=float(own.max()),
         pushes=len(own),
         explained=explained(before - after, whole, share, len(rows), seed),
-        order=_order(own, [bench.prepared.files[row] for row in np.flatnonzero(tells)]),
+        order=order,
+        order_p=chance,
     )
 
 
-def _order(own: Floats, files: Sequence[str]) -> float:
-    """Rank correlation of numbers with the order of names; nought of numbers that are all one."""
-    places = np.argsort(np.argsort(files))
-    return 0.0 if np.ptp(own) == 0.0 else float(spearmanr(own, places).statistic)
+def _order(own: Floats, files: Sequence[str]) -> tuple[float, float]:
+    """Rank correlation of numbers with the order of names, and the chance of one as large; none of numbers that are all one."""
+    if np.ptp(own) == 0.0:
+        return 0.0, 1.0
+    inorder = sorted(files, key=_by_number)
+    found = spearmanr(own, [inorder.index(file) for file in files])
+    return float(found.statistic), float(found.pvalue)
+
+
+def _by_number(file: str) -> list[tuple[bool, int, str]]:
+    """A key by which ``push_10`` comes after ``push_2``."""
+    parts = re.split(r"([0-9]{1,9})", file)
+    return [(part.isdigit(), int(part) if part.isdigit() else 0, part) for part in parts]
 
 
 def _rise(told: Floats, best: Ints) -> Flags:

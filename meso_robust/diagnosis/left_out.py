@@ -21,13 +21,14 @@ class LeftOut:
         (R,) root mean squares over the noise of the camera.
     metres
         (R,) of the place, m.
-    counts
-        (R,) numbers that were seen of it.
+    counts, places
+        (R,) numbers, and places, that were seen of it.
     """
 
     sigma: Floats
     metres: Floats
     counts: Floats
+    places: Floats
 
     @property
     def whole(self) -> float:
@@ -37,7 +38,7 @@ class LeftOut:
     @property
     def whole_metres(self) -> float:
         """Likewise of the place, m."""
-        return float(np.sqrt(np.average(self.metres**2, weights=self.counts)))
+        return float(np.sqrt(np.sum(self.metres**2 * self.places) / max(self.places.sum(), 1)))
 
 
 def left_out(bench: Bench, rolled: RollOut) -> LeftOut:
@@ -49,11 +50,16 @@ def left_out(bench: Bench, rolled: RollOut) -> LeftOut:
         All recordings, and what a model predicts of them.
     """
     counts = np.maximum(bench.seen.sum(axis=(1, 2)), 1)
-    away = bench.prepared.seen - rolled.poses
+    away = (bench.prepared.seen - rolled.poses)[..., :2]
+    placed = np.isfinite(away).all(axis=2)
+    places = placed.sum(axis=1)
     return LeftOut(
         sigma=bench.baseline.noise.floor * np.sqrt(rolled.squares.sum(axis=(1, 2)) / counts),
-        metres=np.sqrt(np.nanmean(np.sum(away[..., :2] ** 2, axis=2), axis=1)),
+        metres=np.sqrt(
+            np.where(placed, np.sum(away**2, axis=2), 0.0).sum(axis=1) / np.maximum(places, 1)
+        ),
         counts=counts,
+        places=places,
     )
 
 

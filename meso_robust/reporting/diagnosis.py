@@ -195,9 +195,7 @@ def _figures(document: DiagnosisDocument) -> list[tuple[str, str]]:
         rows.append((name, f"{significant(before, 3)}{change} {unit}"))
 
     if held.recordings:
-        what = (
-            f"error on {counted(len(held.recordings), 'held-out recording')}; {noise_words(held)}"
-        )
+        what = f"error on {counted(len(held.recordings), 'recording')}, each predicted without itself; {noise_words(held)}"
         errors(what, held.baseline_sigma, held.extended_sigma, "σ")
         errors("the same error in position", held.baseline_um, held.extended_um, "µm")
     before, after = held.extrapolation_baseline_sigma, held.extrapolation_extended_sigma
@@ -282,7 +280,7 @@ def _marked(document: DiagnosisDocument, evidence: Evidence) -> list[int]:
 
 def _recording(evidence: Evidence, row: int) -> pages.Figure:
     file = evidence.files[row]
-    kind = "held out" if file in evidence.held_out else "training"
+    kind = "held out of the choice" if file in evidence.held_out else "training"
     if file in evidence.extrapolation:
         kind += ", extrapolation"
     svg = to_svg(overlay_figure(evidence, row), f"rec{row}", f"Recording {file} beside the models")

@@ -15,7 +15,6 @@ from meso_robust.diagnosis.document import (
     Verdict,
     WhereSection,
 )
-from meso_robust.diagnosis.rejection import Ground
 from meso_robust.reporting.pages import Colour
 from meso_robust.reporting.words import number, signed, significant
 from meso_robust.simulator.catalogue import CATALOGUE
@@ -60,13 +59,14 @@ PHASES = {
 }
 COMPONENTS = {"x": "x", "y": "y", "theta": "θ"}
 _MATTER_OF = {
-    "support": "what the part slides on (if that is no film, ask with --model three_point)",
+    "support": "what the part slides on",
     "contact": "what tip and part do where they touch",
     "actuation": "where the probes really are",
     "observation": "what the camera sees or the tracker makes of it",
     "environment": "something that pulls or pushes besides the probes",
     "geometry": "the shapes of part and tips",
 }
+_NO_FILM = " (if that is no film, ask with --model three_point)"
 _IN_WORDS = (FORM, "turned")
 """Numbers that say how an effect acts: where they were held, words say more."""
 _UNITS = {"_um2": " µm²", "_um_s": " µm/s", "_um": " µm", "_deg": "°", "_ms": " ms", "_s": " s"}
@@ -315,15 +315,14 @@ def _effect_lines(document: DiagnosisDocument) -> list[str]:
 
 
 def same_motions(document: DiagnosisDocument) -> list[tuple[str, ...]]:
-    """Sets that no recording can tell from the one that is given, as a tilted stage from a film that flows."""
-    given = {effect.name for effect in document.effects}
+    """Sets as large as the one that is given that make the same motion, and that no recording tells apart."""
+    given = tuple(sorted(effect.name for effect in document.effects))
     return [
         one.effects
         for one in document.candidates
-        if one.ground == Ground.SAME_MOTION
-        and document.extends
+        if document.extends
+        and one.instead == given
         and len(one.effects) == len(given)
-        and len(given.symmetric_difference(one.effects)) == 2
         and one.effects not in document.ambiguous_with
     ]
 
@@ -331,7 +330,10 @@ def same_motions(document: DiagnosisDocument) -> list[tuple[str, ...]]:
 def _matter(document: DiagnosisDocument) -> str:
     """What is left unexplained may be wrong with, if that is known."""
     left = document.remainder
-    return "" if left is None or left.stage is None else _MATTER_OF[left.stage]
+    if left is None or left.stage is None:
+        return ""
+    dry = left.stage == "support" and document.baseline.model == "viscous"
+    return _MATTER_OF[left.stage] + (_NO_FILM if dry else "")
 
 
 def _where_lines(document: DiagnosisDocument) -> list[str]:

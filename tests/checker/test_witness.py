@@ -2,22 +2,29 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import fields, replace
+from pathlib import Path
 from types import SimpleNamespace
 from typing import Any, cast
 
 import numpy as np
 import pytest
+from flint import arb
 
+import meso_robust
 from meso_robust.checker.document import Certificate, WitnessDocument
 from meso_robust.checker.inputs import given
+from meso_robust.checker.outline import outline
 from meso_robust.checker.refusal import Refused
-from meso_robust.checker.run import Run
+from meso_robust.checker.run import Run, number_of
+from meso_robust.checker.scene import Scene
 from meso_robust.checker.witness import check_witness
 from meso_robust.laboratory.draws import Draws, draw
 from meso_robust.laboratory.replay import Feedback
 from meso_robust.laboratory.witness import more_of
 from meso_robust.primitives.setup import setup_of
+from meso_robust.task import load_task
 from tests.conftest import paper_task
 from tests.laboratory.paper import paper_player
 from tests.laboratory.test_box import real_task
@@ -98,10 +105,38 @@ def test_more_of_a_run_beyond_its_bounds_is_no_witness(name: str, value: float) 
         check_witness(real_witness(**{name: value.hex()}), given(real_task()))
 
 
-@pytest.mark.parametrize("name", ["move 5 scale", "tip temperature", "move 1 friction 1 thumb"])
+@pytest.mark.parametrize(
+    "name",
+    ["move 5 scale", "move " + "9" * 5000 + " scale", "tip temperature", "move 1 friction 1 thumb"],
+    ids=["a move too many", "a long number", "no quantity", "no tip"],
+)
 def test_a_quantity_that_no_run_has_is_no_witness(name: str) -> None:
     with pytest.raises(Refused, match=r"witness\.more"):
         check_witness(real_witness(**{name: (0.0).hex()}), given(real_task()))
+
+
+@pytest.mark.parametrize("mirrored", [False, True])
+@pytest.mark.parametrize("name", ["hexagon", "l_shape", "paper"])
+def test_a_pushed_edge_has_the_number_that_the_simulator_gives_it(
+    name: str, *, mirrored: bool
+) -> None:
+    task = load_task(Path(meso_robust.__file__).parent / "tasks" / f"{name}.toml")
+    corners = np.array([[x.mid, y.mid] for x, y in setup_of(task).outline.corners])
+    own = outline(task.part).mirrored() if mirrored else outline(task.part)
+    for theta in np.linspace(-4.0, 4.0, 41):
+        edge = own.facing(arb(float(theta)))
+        scene = SimpleNamespace(edge=edge, frame=SimpleNamespace(mirrored=mirrored), outline=own)
+        first = number_of(cast("Scene", scene)) - 1
+        p, q = corners[first], corners[(first + 1) % len(corners)]
+        along = q - p
+        assert (p[0] * along[1] - p[1] * along[0]) / np.hypot(*along) == pytest.approx(
+            float(edge.d1)
+        )
+        heading = np.arctan2(along[1], along[0])
+        heading = np.pi - heading if mirrored else heading  # it is run the other way
+        assert math.remainder(heading + float(edge.turn), 2.0 * math.pi) == pytest.approx(
+            0.0, abs=1e-9
+        )
 
 
 @pytest.mark.parametrize("schema", [1, 2])

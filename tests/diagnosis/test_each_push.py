@@ -12,7 +12,7 @@ from meso_robust.diagnosis import diagnose as diagnosing
 from meso_robust.diagnosis.answer import document
 from meso_robust.diagnosis.diagnose import Diagnosis, _by_push, diagnose
 from meso_robust.diagnosis.document import DiagnosisDocument
-from meso_robust.diagnosis.each_push import EachPush, each_push
+from meso_robust.diagnosis.each_push import EachPush, _order, each_push
 from meso_robust.diagnosis.folds import bench_of, rolled_out
 from meso_robust.diagnosis.judge import Explained
 from meso_robust.recordings import RecordingSet
@@ -92,6 +92,13 @@ def test_friction_that_rises_with_use_is_told_by_the_order_of_the_files() -> Non
     assert rising is not None
     assert mixed is not None
     assert rising.order > 0.9 > 0.5 > abs(mixed.order)
+    assert rising.order_p < 0.001 < 0.1 < mixed.order_p
+
+
+def test_the_tenth_file_comes_after_the_second() -> None:
+    files = [f"push_{k}.csv" for k in range(1, 21)]
+    assert _order(np.arange(20.0), files) == pytest.approx((1.0, 0.0))
+    assert _order(np.ones(20), files) == (0.0, 1.0)
 
 
 @pytest.mark.parametrize(
@@ -113,6 +120,7 @@ def test_it_takes_the_place_of_effects_that_surely_explain_less(
         pushes=7,
         explained=Explained(share=0.97, low=0.95, high=0.99, folds=12),
         order=0.9,
+        order_p=0.001,
     )
     monkeypatch.setattr(diagnosing, "each_push", lambda *_: own)
     other = None if high is None else Explained(share=0.6, low=0.3, high=high, folds=6)

@@ -17,7 +17,6 @@ from matplotlib.patches import PathPatch, Rectangle
 
 from meso_robust.diagnosis.document import Channel, Verdict
 from meso_robust.diagnosis.evidence import Evidence
-from meso_robust.diagnosis.rejection import Ground
 from meso_robust.reporting import diagnosis_figures as figures
 from meso_robust.reporting.diagnosis import diagnosis_report
 from meso_robust.reporting.diagnosis_words import answer, stage_words, summary
@@ -234,11 +233,11 @@ def test_what_was_not_fitted_has_no_interval_and_what_is_not_enough_no_probabili
 
 
 def test_what_no_recording_tells_apart_is_told() -> None:
-    """A stage that is tilted and a film that flows move a part alike."""
     given = document("named")
     (first, *_) = given.candidates
-    twin = first.model_copy(update={"effects": ("drag_drift",), "ground": Ground.SAME_MOTION})
-    other = twin.model_copy(update={"effects": ("film_flow",), "ground": Ground.FAR_BEHIND})
+    names = tuple(sorted(effect.name for effect in given.effects))
+    twin = first.model_copy(update={"effects": ("drag_drift",), "instead": names})
+    other = twin.model_copy(update={"effects": ("film_flow",), "instead": ("backlash",)})
     longer = twin.model_copy(update={"effects": ("backlash", "drag_drift")})
     found = given.model_copy(update={"candidates": (first, twin, other, longer)})
 
@@ -427,7 +426,7 @@ def test_residuals_are_over_the_noise_and_an_angle_has_no_turns() -> None:
 def test_the_worst_recordings_are_drawn_first_and_say_if_they_were_held_out() -> None:
     page = diagnosis_report(document("named"), tiny(), "s")
     titles = re.findall(r'<h3>(.*)</h3>\n<div class="scroll[^>]*><svg', page)
-    assert titles[:2] == ["two.csv (held out)", "one.csv (training)"]
+    assert titles[:2] == ["two.csv (held out of the choice)", "one.csv (training)"]
 
 
 def test_bars_are_as_long_as_the_errors() -> None:
@@ -528,7 +527,7 @@ def test_many_recordings_are_cut_to_a_page(monkeypatch: pytest.MonkeyPatch) -> N
     monkeypatch.setattr("meso_robust.reporting.diagnosis.MOST_PICTURES", 1)
     page = diagnosis_report(document("named"), evidence("named"), "s")
     (title,) = re.findall(r'<h3>(.*\.csv.*)</h3>\n<div class="scroll[^>]*><svg', page)
-    assert title == "push_09.csv (held out)"
+    assert title == "push_09.csv (held out of the choice)"
     assert page.count("The first 3 of ") == 2  # spans, held-out recordings
     assert "The first 3 of 5; all are in" in page
     map_ = page[page.index('id="map-figure_1"') : page.index('id="vectors-figure_1"')]

@@ -56,7 +56,7 @@ def test_another_form_is_another_motion_and_no_size_is_none(name: str, law: floa
 
 @pytest.mark.parametrize(("form", "worn"), [(0.0, (1, 1)), (1.0, (1, 0)), (2.0, (0, 1))])
 def test_one_tip_alone_is_worn(form: float, worn: tuple[int, int]) -> None:
-    table = Effects({"tip_radius": {"excess_um": [2.0, -1.0], "form": form}}).table
+    table = Effects({"tip_radius": {"excess_um": np.array([2.0, -1.0]), "form": form}}).table
     found = radii(np.array([10e-6, 12e-6]), table)
     by = np.array([[2e-6], [-1e-6]]) * np.array(worn)
     np.testing.assert_allclose(found, np.array([10e-6, 12e-6]) + by, rtol=1e-12)
