@@ -171,7 +171,8 @@ def diagnose(
             told=told,
             findings=direct.findings,
         )
-    chosen = diagnosis.best.effects if diagnosis.best and diagnosis.verdict == "named" else None
+    made = answer.document(diagnosis, __version__)
+    chosen = {one.name for one in made.effects} if made.verdict == "named" else None
     seen = tuple(
         f"direct test: {line}{_beside(one.effect, chosen)}"
         for line, one in zip(words(direct), direct.findings, strict=True)
@@ -186,6 +187,6 @@ def diagnose(
     )
 
 
-def _beside(effect: str, named: tuple[str, ...] | None) -> str:
+def _beside(effect: str, named: set[str] | None) -> str:
     """What is said of a finding that is not what was named by all frames of all recordings."""
     return "" if named is None or effect in named else "; the answer above is another one"

@@ -35,7 +35,7 @@ BOUNDS: Mapping[str, Callable[[Given], Side]] = {
     "drag_anisotropy of_stage": lambda given: (arb(0), arb(1)),
     f"{_MOVE} direction_rad": lambda given: given.direction,
     f"{_MOVE} scale": lambda given: given.scale,
-    f"{_MOVE} wander [0-9]{1, 3} [xy]_m": lambda given: given.wander,
+    f"{_MOVE} wander [0-9]{{1,3}} [xy]_m": lambda given: given.wander,
     f"{_MOVE} friction [1-9][0-9]{{0,2}} {_WHICH}": lambda given: given.friction,
 }
 """What a number of ``witness.more`` must lie within, by its name."""
