@@ -171,7 +171,7 @@ def diagnose(
             told=told,
             findings=direct.findings,
         )
-    made = answer.document(diagnosis, __version__)
+    made = answer.document(diagnosis, __version__, ())
     chosen = {one.name for one in made.effects} if made.verdict == "named" else None
     seen = tuple(
         f"direct test: {line}{_beside(one.effect, chosen)}"
