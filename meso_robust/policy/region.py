@@ -10,7 +10,7 @@ import numpy as np
 
 from meso_robust.bounds import HALF_PI, Verdict
 from meso_robust.policy.cells import Cell, Policy, common, reads, sensed_poses, true_poses
-from meso_robust.policy.cover import ends_of, meet
+from meso_robust.policy.cover import covered, ends_of, meet
 from meso_robust.primitives.certify import certify_move
 from meso_robust.primitives.setup import PoseBox, setup_of
 from meso_robust.task import Task
@@ -129,15 +129,19 @@ def tube(policy: Policy, start: PoseBox) -> tuple[Slice, ...]:
         found: list[PoseBox] = []
         done: list[PoseBox] = []
         to_go = 0
+        # what is sensed in one cell is moved alike: one box of it, or their number would grow with every move
+        parts: dict[int, tuple[Cell, PoseBox]] = {}
         for box in boxes:
-            cells = _chosen(policy, sensed_poses(box, setup) if made else start)
-            to_go = max([to_go, *(cell.moves for cell in cells)])
-            for cell in cells:
+            for cell in _chosen(policy, sensed_poses(box, setup) if made else start):
                 before = common(box, true_poses(cell.sensed, setup))
-                step = certify_move(cell.rule, before, setup)
-                if step.verdict is not Verdict.PROVED or step.post is None:
-                    raise ValueError(f"the move of a certified cell is not proved from {before}")
-                (done if cell.ends else found).append(common(step.post, cell.post))
+                known = parts.get(id(cell))
+                parts[id(cell)] = cell, before if known is None else known[1].hull(before)
+        for cell, before in parts.values():
+            to_go = max(to_go, cell.moves)
+            step = certify_move(cell.rule, before, setup)
+            if step.verdict is not Verdict.PROVED or step.post is None:
+                raise ValueError(f"the move of a certified cell is not proved from {before}")
+            (done if cell.ends else found).append(common(step.post, cell.post))
         slices.append(Slice(moves=made, boxes=_merged([*boxes, *ended]), to_go=to_go))
         if not found and not done:
             break
@@ -147,13 +151,16 @@ def tube(policy: Policy, start: PoseBox) -> tuple[Slice, ...]:
 
 def _chosen(policy: Policy, sensed: PoseBox) -> list[Cell]:
     """Cells that can be the first one that holds a sensed pose of the box."""
-    if policy.rest is not None and reads(policy.rest, sensed):
+    known = [] if policy.rest is None else [policy.rest]
+    if any(reads(box, sensed) for box in known):
         return []
     found = []
     for cell in policy.cells:
         if meet(cell.sensed, sensed):
             found.append(cell)
-            if reads(cell.sensed, sensed):
+            known.append(cell.sensed)
+            # no pose is left for the cells that need more moves
+            if reads(cell.sensed, sensed) or covered(sensed, known):
                 return found
     return found
 

@@ -1,7 +1,8 @@
 """The large form of the policy's tests: ``python -m reports.policy.campaign [--runs 20000] [--out F]``.
 
 Builds the policy of the paper's task, writes ``policy.json``, ``region.svg`` and ``policy.md`` to
-``reports/policy``, and runs it in both engines of the simulator from starts all over its region.
+``reports/policy``, and runs it in both engines of the simulator from starts all over its region. With
+``--task F.toml --name N`` that of another task; ``N.md`` is written only.
 """
 
 from __future__ import annotations
@@ -49,26 +50,32 @@ def main() -> int:
     parser.add_argument("--runs", type=int, default=20000)
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--out", type=Path, default=REPORT)
+    parser.add_argument("--task", type=Path, default=PAPER)
+    parser.add_argument("--name", default="policy")
     asked = parser.parse_args()
-    task = load_task(PAPER)
+    task = load_task(asked.task)
     before = time.perf_counter()
     policy = make_policy(task, Reporter(quiet=False).doing)
     seconds = time.perf_counter() - before
-    slices = tube(policy, sensed_start(task))
-    parts: tuple[tuple[Engine, int], ...] = (("events", asked.runs), ("stepper", asked.runs // 10))
-    found = [campaign(policy, runs, engine, asked.seed) for engine, runs in parts]
+    text, kept = judged(policy, seconds, asked.runs, asked.seed)
+    files = {f"{asked.name}.md": text}
+    if asked.task == PAPER:
+        slices = tube(policy, sensed_start(task))
+        files["policy.json"] = policy_document(policy).model_dump_json(by_alias=True) + "\n"
+        files["region.svg"] = draw(policy, slices)
+    write_all(asked.out, files)
+    sys.stdout.write(text)
+    return 0 if kept else 1
+
+
+def judged(policy: Policy, seconds: float, runs: int, seed: int) -> tuple[str, bool]:
+    """A page about a policy that was built in some seconds, and whether all runs kept its claim."""
+    slices = tube(policy, sensed_start(policy.task))
+    parts: tuple[tuple[Engine, int], ...] = (("events", runs), ("stepper", runs // 10))
+    found = [campaign(policy, count, engine, seed) for engine, count in parts]
     lines = "".join(f"- {line}\n" for _, line in found)
     text = summary(policy, slices, seconds) + f"\n## In the simulator\n\n{lines}"
-    write_all(
-        asked.out,
-        {
-            "policy.json": policy_document(policy).model_dump_json(by_alias=True) + "\n",
-            "region.svg": draw(policy, slices),
-            "policy.md": text,
-        },
-    )
-    sys.stdout.write(text)
-    return 0 if all(kept for kept, _ in found) else 1
+    return text, all(kept for kept, _ in found)
 
 
 if __name__ == "__main__":
