@@ -7,8 +7,8 @@ changed within some hours of commits, and of the other slow tests some, others w
 
 from __future__ import annotations
 
+import hashlib
 import subprocess
-import zlib
 from collections.abc import Mapping
 from pathlib import Path
 
@@ -151,6 +151,9 @@ EMPTY = "4b825dc642cb6eb9a060e54bf8d69288fbee4904"
 ONE_IN = 8
 """By turns, one in so many slow tests of unchanged code is run."""
 
+MOST = 24
+"""Lines of the table that CI runs for what has changed; of more of them it draws about so many."""
+
 
 def changed(recent: bool = False) -> tuple[str, ...]:
     """Paths that differ from the last commit; nothing where git does not answer.
@@ -198,14 +201,27 @@ def is_slow(test: str, touched: tuple[str, ...], turn: str = "") -> bool:
     turn
         What draws the tests that are run though nothing of theirs has changed; none are, by default.
     """
-    if any(path in FOR_ALL for path in touched):
-        return False
     return any(
-        _within(test, slow)
-        and not any(_within(path, one) for one in (*code, slow.split("::")[0]) for path in touched)
-        and not (turn and zlib.crc32(f"{turn} {_drawn(test, slow)}".encode()) % ONE_IN == 0)
-        for slow, code in SLOW.items()
+        _within(test, slow) and not _is_run(_drawn(test, slow), slow, touched, turn)
+        for slow in SLOW
     )
+
+
+def _is_run(drawn: str, slow: str, touched: tuple[str, ...], turn: str) -> bool:
+    """Whether the tests of a line are run for what has changed, or by their turn."""
+    fresh = _is_touched(slow, touched)
+    if not turn:
+        return fresh
+    share = 1.0 / ONE_IN
+    if fresh:
+        share = MOST / max(MOST, sum(_is_touched(one, touched) for one in SLOW))
+    number = int.from_bytes(hashlib.sha256(f"{turn} {drawn}".encode()).digest()[:4], "big")
+    return number < share * 2.0**32
+
+
+def _is_touched(slow: str, touched: tuple[str, ...]) -> bool:
+    own = (*SLOW[slow], slow.split("::")[0], *FOR_ALL)
+    return any(_within(path, one) for one in own for path in touched)
 
 
 def _drawn(test: str, slow: str) -> str:

@@ -6,7 +6,7 @@ import json
 
 import pytest
 
-from tests.slow import ONE_IN, ROOT, SLOW, changed, is_slow, last_commit
+from tests.slow import MOST, ONE_IN, ROOT, SLOW, changed, is_slow, last_commit
 
 
 def test_every_path_of_the_table_exists() -> None:
@@ -45,6 +45,26 @@ def test_every_slow_test_has_its_turn() -> None:
     for test in SLOW:
         turns = [not is_slow(test, (), str(turn)) for turn in range(400)]
         assert 0.5 < ONE_IN * sum(turns) / len(turns) < 2.0, test
+
+
+def test_where_much_has_changed_some_are_drawn() -> None:
+    """A change of the whole package would take half an hour; nights run all."""
+    everything = (
+        "meso_robust/checker/tilt.py",
+        "meso_robust/motion/tube.py",
+        "tests/conftest_of_mine.py",
+    )
+    lines = [
+        one
+        for one, code in SLOW.items()
+        if "meso_robust/checker" in code or "meso_robust/motion" in code
+    ]
+    assert not any(is_slow(test, everything) for test in lines)
+    if len(lines) <= MOST:
+        assert not any(is_slow(test, everything, "a") for test in lines)
+    all_code = tuple(f"{path}/x.py" for code in SLOW.values() for path in code)
+    run = [sum(not is_slow(test, all_code, str(turn)) for test in SLOW) for turn in range(100)]
+    assert 0.8 * MOST < sum(run) / len(run) < 1.2 * MOST
 
 
 def test_a_file_and_its_tests_have_one_turn() -> None:
