@@ -176,7 +176,7 @@ def end(result: Result, out: Path, as_json: bool, quiet: bool) -> None:
         print(result)
         for words, name in result.shown.items():
             print(f"{words}: {out / name}")
-    else:
+    elif result.brief:
         print(result.brief)
     if result.why_not:
         negative(result.why_not)

@@ -18,7 +18,7 @@ ALLOWED = (
 )  # fmt: skip
 STANDARD = {
     "__future__", "collections", "dataclasses", "enum", "fractions", "functools", "hashlib", "heapq",
-    "itertools", "json", "math", "pathlib", "typing",
+    "itertools", "json", "math", "pathlib", "re", "typing",
 }  # fmt: skip
 
 

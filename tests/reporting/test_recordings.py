@@ -172,7 +172,7 @@ def test_direct_tests_stand_on_the_page_with_their_pictures() -> None:
     assert "Direct tests" in reader.text
     assert "Gap between tip and face" in reader.text
     for line in words(tests):
-        assert line in reader.text
+        assert line.removeprefix("as if ") in reader.text
     # all are pushed along +x: a shift and a radius look the same, and the page says which it takes
     assert abs(tests.gap.rms[0] - 30e-6) < 2e-6
     assert tests.gap.rms[1] < 3e-6
