@@ -2,7 +2,8 @@
 
 A line is about tests that take long and repeat, at length, what shorter ones say as well. Where the code
 of a line differs from the last commit, ``make test`` runs its tests too. CI asks for ``--recent``: what has
-changed within some hours of commits, and of the other slow tests some, others with each commit.
+changed within some hours of commits, or some of it where that is nearly everything, and of the other slow tests some,
+others with each commit.
 """
 
 from __future__ import annotations

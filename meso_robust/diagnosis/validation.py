@@ -23,8 +23,6 @@ _FEWEST = 6  # recordings of which any can be spared
 _FINER = 4.0  # by how much shorter steps tell the error of the steps
 _MOST = 12  # iterations of a fit
 _FLAT = 1.0  # fall of χ² at which a fit of starts ends
-_RESAMPLED = 4000
-_SHARE = 0.9  # of the bootstrap within the interval
 _APART = 0.05  # of the range of a quantity, that a kind of push must stand apart
 
 

@@ -262,6 +262,11 @@ def _polygon(part: Mapping[str, Any], absorbed: Sequence[Absorbed]) -> dict[str,
         [1.0 + float(by) / extent for by in bys]
         for bys, extent in zip(longer, extents, strict=True)
     ]
+    if min(map(min, ends)) <= 0.0:
+        raise InputError(
+            "part_geometry: an edge may stand in by half the part or more, within the interval that the "
+            "model gives; identify it better, or leave the effect out of the model"
+        )
     f, g = (0.5 * sum(of) for of in ends)
     middle = [[round(f * x, 2), round(g * y, 2)] for x, y in corners]
     stated = _edges(middle)

@@ -92,6 +92,13 @@ def test_edges_of_a_stretched_polygon_lie_within_the_tolerances(name: str) -> No
     assert (most > allowed - [0.03, 0.011]).all()
 
 
+def test_a_polygon_that_may_be_turned_inside_out_is_refused() -> None:
+    task = task_of("hexagon")
+    document = fitted(task, {"part_geometry.x_um": (-500.0, 1.0)})
+    with pytest.raises(InputError, match="part_geometry: an edge may stand in by half the part"):
+        changed(task, document, standings(document, budget(rectangle=False)))
+
+
 def _lines(corners: Any) -> Any:
     """(V, 2) distance of each edge from the reference point, um, and direction."""
     along = np.roll(corners, -1, axis=0) - corners
