@@ -13,6 +13,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from meso_robust.diagnosis.periods import driven, periods
 from meso_robust.identification.prepared import Prepared
 from meso_robust.identification.touching import distances
 from meso_robust.simulator.catalogue import CATALOGUE
@@ -139,15 +140,16 @@ def _meniscus(effect: str, prepared: Prepared) -> Iterable[Trial]:
             )
 
 
-def _slowing(effect: str, prepared: Prepared) -> Iterable[Trial]:
+def _slowing(**sizes: float) -> Forms:
     """A drift that slows down in the time of the shortest recording."""
-    lasted = float(np.min(prepared.times[:, -1] - prepared.times[:, 0]))
-    yield Trial(
-        effect=effect,
-        sizes={"x_um_s": 0.3, "y_um_s": 0.3},
-        shape={"time_s": lasted},
-        free={"time_s": 0.5 * lasted},
-    )
+
+    def forms(effect: str, prepared: Prepared) -> Iterable[Trial]:
+        lasted = float(np.min(prepared.times[:, -1] - prepared.times[:, 0]))
+        yield Trial(
+            effect=effect, sizes=sizes, shape={"time_s": lasted}, free={"time_s": 0.5 * lasted}
+        )
+
+    return forms
 
 
 def _posts(effect: str, prepared: Prepared) -> Iterable[Trial]:
@@ -220,9 +222,51 @@ def _about_a_place(**size: float) -> Forms:
     return forms
 
 
+def _places(prepared: Prepared) -> list[tuple[float, float]]:
+    """Five places in µm among those at which the part was seen, for a part of the reference length."""
+    scale = 1e6 * REFERENCE_LENGTH / prepared.length
+    seen = prepared.seen[..., :2].reshape(-1, 2)
+    low, middle, high = (scale * np.nanquantile(seen, (0.15, 0.5, 0.85), axis=0)).tolist()
+    return [(middle[0], middle[1]), *itertools.product((low[0], high[0]), (low[1], high[1]))]
+
+
+def _somewhere(**size: float) -> Forms:
+    """An effect of a place of the stage that reaches some way around it."""
+    (reach,) = (key for key in ("radius_um", "range_um") if key in size)
+    sizes = {key: value for key, value in size.items() if key != reach}
+
+    def forms(effect: str, prepared: Prepared) -> Iterable[Trial]:
+        for x, y in _places(prepared):
+            yield Trial(
+                effect=effect,
+                sizes=sizes,
+                shape={"x_um": x, "y_um": y, reach: size[reach]},
+                free={"x_um": 50.0, "y_um": 50.0, reach: 50.0},
+            )
+
+    return forms
+
+
+def _waves(key: str, place: Callable[[Prepared], Floats]) -> Forms:
+    """A wave on each axis, of the periods that stand out in what is seen of the part."""
+
+    def forms(effect: str, prepared: Prepared) -> Iterable[Trial]:
+        scale = 1e6 * REFERENCE_LENGTH / prepared.length
+        sizes = {f"{axis}_{wave}_um": 0.5 for axis in "xy" for wave in ("sine", "cosine")}
+        for period in periods(prepared, place(prepared)):
+            yield Trial(
+                effect=effect,
+                sizes=sizes,
+                shape={key: scale * period},
+                free={key: 0.03 * scale * period},
+            )
+
+    return forms
+
+
 _LAYS = (0.0, 22.5, 45.0, 67.5)
 _QUARTERS = (0.0, 45.0, 90.0, 135.0)
-_DRIFT = formed(sized(x_um_s=0.3, y_um_s=0.3), _slowing)
+_DRIFT = formed(sized(x_um_s=0.3, y_um_s=0.3), _slowing(x_um_s=0.3, y_um_s=0.3))
 
 TRIALS: Mapping[str, Try] = {
     "dry_friction": Try(
@@ -285,6 +329,13 @@ TRIALS: Mapping[str, Try] = {
         "five seconds of camera before the tip comes, with the stage tilted and level",
         sized(x_um_s=0.5, y_um_s=0.5),
     ),
+    "point_pull": Try(
+        "camera without tip, the part put down around the place",
+        _somewhere(pull_um_s=1.0, range_um=300.0),
+    ),
+    "sticky_spot": Try(
+        "one push repeated over the place and beside it", _somewhere(ratio=0.1, radius_um=300.0)
+    ),
     "wall_capillarity": Try("camera without tip near the wall and away from it", _meniscus),
     "unmodelled_wall": Try("a push across the place in doubt", _posts),
     "tip_adhesion": Try(
@@ -297,6 +348,9 @@ TRIALS: Mapping[str, Try] = {
     ),
     "edge_dependent_friction": Try("slanted pushes that slip, one on each edge", _edges),
     "friction_spread": Try("pushes that slip, with each tip by itself", _tips),
+    "friction_drift": Try(
+        "long pushes that slip", formed(sized(rate_percent_s=3.0), _slowing(rate_percent_s=3.0))
+    ),
     "inertia": Try(
         "stop suddenly at the highest speed and keep the camera running", sized(time_ms=2.0)
     ),
@@ -324,6 +378,10 @@ TRIALS: Mapping[str, Try] = {
     "backlash": Try(
         "approach with and without a reversal just before contact", sized(width_um=2.0)
     ),
+    "leadscrew_error": Try(
+        "one long push along each axis, repeated a quarter of a turn of the screw further on",
+        _waves("period_um", driven),
+    ),
     "probe_drift": Try("hold the tip on the part for ten seconds", _DRIFT),
     "camera_latency": Try("one push at three speeds, with sudden stops", sized(time_ms=20.0)),
     "camera_scale": Try(
@@ -341,6 +399,13 @@ TRIALS: Mapping[str, Try] = {
         "long pushes along x, along y and along both diagonals; a calibration grid",
         # two forms: a tracker that fits an outline as a whole, and one that follows its long axis
         shaped({"x_percent": 0.3, "y_percent": 0.3, "shear_percent": 0.3}, {}, turned=(0.0, 1.0)),
+    ),
+    "angle_error": Try(
+        "the part turned in steps by a goniometer", sized(sine_deg=0.2, cosine_deg=0.2)
+    ),
+    "pixel_locking": Try(
+        "slow pushes along x and along y, at a higher magnification",
+        _waves("pitch_um", lambda prepared: prepared.seen[..., :2]),
     ),
     "registration_shift": Try(
         "pushes on four edges at several headings", sized(x_um=3.0, y_um=3.0)

@@ -1,7 +1,8 @@
 """From commanded to true probe positions: drift, lost motion, and bending under the contact force.
 
 A probe is commanded along straight lines between waypoints. The mount drifts by ``d t``; lost motion
-of width b is the play operator ``u ← min(max(u, w − b/2), w + b/2)`` on each axis, or on one; a compliant probe
+of width b is the play operator ``u ← min(max(u, w − b/2), w + b/2)`` on each axis, or on one; a screw that turns
+out of true moves the mount back and forth by a wave in the place of its axis; a compliant probe
 stands at ``u + C f``, f the force on its tip. With forces over the film's drag the compliance is a
 time, ``C e_x``: the time in which a bent probe that is stopped creeps back. A blade bends across its
 flat side only, so that C has one direction, and a wire less along its bend than across.
@@ -17,7 +18,7 @@ _UM, _DEG = 1e-6, np.pi / 180.0
 
 ACTUATION = Stage(
     name="actuation",
-    base=72,
+    base=80,
     effects=(
         Effect(
             name="probe_compliance",
@@ -68,6 +69,24 @@ ACTUATION = Stage(
                 ),
             ),
         ),
+        Effect(
+            name="leadscrew_error",
+            equation="true w = w + s sin(2π w/p) + c cos(2π w/p) on each axis w",
+            source="once a turn of a lead screw; A. H. Slocum, Precision Machine Design, 1992",
+            parameters=(
+                *(
+                    Parameter(
+                        key=f"{axis}_{wave}_um", unit="µm", to_si=_UM, meaning=f"{wave[0]} of the {axis} axis"
+                    )
+                    for axis in "xy"
+                    for wave in ("sine", "cosine")
+                ),
+                Parameter(
+                    key="period_um", unit="µm", to_si=_UM, default=500.0 * _UM, low=1.0 * _UM, size=False,
+                    meaning="p: travel of one turn of the screw",
+                ),
+            ),
+        ),
     ),
 )  # fmt: skip
 
@@ -82,7 +101,9 @@ _DRIFT_X = ACTUATION.slot("probe_drift", "x_um_s")
 _DRIFT_Y = ACTUATION.slot("probe_drift", "y_um_s")
 _DRIFT_TIME = ACTUATION.slot("probe_drift", "time_s")
 _DRIFT_FORM = ACTUATION.slot("probe_drift", FORM)
-DRIVE_SLOTS = (_WIDTH, _DRIFT_X, _DRIFT_Y)
+_SCREW = ACTUATION.slot("leadscrew_error", "x_sine_um")
+_SCREW_PERIOD = ACTUATION.slot("leadscrew_error", "period_um")
+DRIVE_SLOTS = (_WIDTH, _DRIFT_X, _DRIFT_Y, _SCREW, _SCREW + 1, _SCREW + 2, _SCREW + 3)
 """Columns of effects between the command and the driven position of a probe."""
 
 
@@ -129,3 +150,13 @@ def drifted(effects: Floats, axis: int, time: float) -> float:
     if effects[_DRIFT_FORM] != 0.0:
         lasted = effects[_DRIFT_TIME] * np.log1p(time / effects[_DRIFT_TIME])
     return float(effects[_DRIFT_X if axis == 0 else _DRIFT_Y] * lasted)
+
+
+@sealed
+def screwed(effects: Floats, axis: int, place: float) -> float:
+    """Displacement of the mount by the screw of an axis, whose command is a place in m; m."""
+    sine, cosine = effects[_SCREW + 2 * axis], effects[_SCREW + 2 * axis + 1]
+    if sine == 0.0 and cosine == 0.0:
+        return 0.0
+    turned = 2.0 * np.pi * place / effects[_SCREW_PERIOD]
+    return float(sine * np.sin(turned) + cosine * np.cos(turned))

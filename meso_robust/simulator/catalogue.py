@@ -34,7 +34,10 @@ FAMILIES: Mapping[str, str] = {
             "friction of solids under the part",
             ("dry_friction", "stribeck_friction", "breakaway_friction"),
         ),
-        ("pull of the stage on the part", ("body_force", "film_flow", "wall_capillarity")),
+        (
+            "pull of the stage on the part",
+            ("body_force", "film_flow", "wall_capillarity", "point_pull"),
+        ),
         ("pull of the tip on the part", ("tip_adhesion", "tip_attraction")),
     )
     for name in names
@@ -45,7 +48,7 @@ Friction of solids is one force with a state. The age of a contact that slides a
 friction which grows with age falls with speed, and is dry friction where the speed is one. Only how it follows a change
 of speed, within a few D, or how long a part has rested tells which law it is; and part and stage touch in any of them.
 
-A tilt, a flow of the film and a meniscus pull a part that no tip touches, by a force that follows from where it is. As
+A tilt, a flow of the film, a meniscus and a charge pull a part that no tip touches, by a force that follows from where it is. As
 far as the pushes go, a far wall pulls as a stage does whose tilt grows along it.
 
 A meniscus at the tip and a charge on it pull alike while the tip is drawn back; only on the way to the part do they differ."""

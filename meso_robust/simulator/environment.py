@@ -16,6 +16,7 @@ def _speed(key: str, meaning: str) -> Parameter:
 ENVIRONMENT = Stage(
     name="environment",
     base=32,
+    slots=24,
     effects=(
         Effect(
             name="body_force",
@@ -64,6 +65,25 @@ ENVIRONMENT = Stage(
             ),
         ),
         Effect(
+            name="point_pull",
+            equation="F = e_x p (a/l) exp(½ − a²/(2 l²)) towards a place of the stage, a the distance from it",
+            source="charge or magnet under the stage, a dimple in it",
+            forms=("falls exponentially", "falls as the distance, 2 (a/l)/(1 + (a/l)²)"),
+            parameters=(
+                _speed("pull_um_s", "p: speed at which the largest force drags the part"),
+                Parameter(
+                    key="x_um", unit="µm", to_si=_UM, size=False, meaning="the place, x, stage frame"
+                ),
+                Parameter(
+                    key="y_um", unit="µm", to_si=_UM, size=False, meaning="the place, y, stage frame"
+                ),
+                Parameter(
+                    key="range_um", unit="µm", to_si=_UM, default=300.0 * _UM, low=1.0 * _UM, size=False,
+                    meaning="l: distance from the place at which the force is largest",
+                ),
+            ),
+        ),
+        Effect(
             name="unmodelled_wall",
             equation="a round post of the radius r is a contact like any other",
             source="debris or a burr on the stage",
@@ -94,12 +114,17 @@ _PULL_ANGLE = ENVIRONMENT.slot("wall_capillarity", "direction_deg")
 _PULL_PLACE = ENVIRONMENT.slot("wall_capillarity", "position_um")
 _PULL_RANGE = ENVIRONMENT.slot("wall_capillarity", "range_um")
 _PULL_FORM = ENVIRONMENT.slot("wall_capillarity", FORM)
+_POINT = ENVIRONMENT.slot("point_pull", "pull_um_s")
+_POINT_X = ENVIRONMENT.slot("point_pull", "x_um")
+_POINT_Y = ENVIRONMENT.slot("point_pull", "y_um")
+_POINT_RANGE = ENVIRONMENT.slot("point_pull", "range_um")
+_POINT_FORM = ENVIRONMENT.slot("point_pull", FORM)
 POST_RADIUS = ENVIRONMENT.slot("unmodelled_wall", "radius_um")
 """Column of the radius of the unmodelled post; its centre is in the two after it."""
 
 FLOW_SLOTS = (_FLOW_X, _FLOW_Y)
 """Columns of the flow of the film."""
-FORCE_SLOTS = (_FORCE_X, _FORCE_Y, _FORCE_GROWTH, _FLOW_X, _FLOW_Y, _PULL)
+FORCE_SLOTS = (_FORCE_X, _FORCE_Y, _FORCE_GROWTH, _FLOW_X, _FLOW_Y, _PULL, _POINT)
 """Columns of effects that push the part without a contact."""
 
 
@@ -136,6 +161,13 @@ def stage_wrench(
         pull = effects[_PULL] * near
         fx += pull * nx
         fy += pull * ny
+    if effects[_POINT] != 0.0:
+        ax = (effects[_POINT_X] - pose[0]) / effects[_POINT_RANGE]
+        ay = (effects[_POINT_Y] - pose[1]) / effects[_POINT_RANGE]
+        square = ax * ax + ay * ay
+        near = np.exp(0.5 - 0.5 * square) if effects[_POINT_FORM] == 0.0 else 2.0 / (1.0 + square)
+        fx += effects[_POINT] * near * ax
+        fy += effects[_POINT] * near * ay
     out[0] += cos * fx + sin * fy
     out[1] += cos * fy - sin * fx
     wx, wy = effects[_FLOW_X], effects[_FLOW_Y]

@@ -12,7 +12,7 @@ _UM, _DEG = 1e-6, np.pi / 180.0
 
 GEOMETRY = Stage(
     name="geometry",
-    base=64,
+    base=72,
     slots=8,
     effects=(
         Effect(

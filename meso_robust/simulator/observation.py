@@ -8,7 +8,8 @@ A pose x, θ of the part at time t is seen as
 world frame, about the world origin but for rotation and scale, which have middles m and m' of their
 own: delay τ, rotation φ of the image against the stage, lens D, error s of the scale, stretch A of the
 axes, drift d and shift c. The lens shears what is off its axis; ψ is the angle by which the
-x axis h of a part at r is turned by that, and q the share of it that the tracker takes for a turn. Then `sense` samples at the frames of the camera, adds noise and
+x axis h of a part at r is turned by that, and q the share of it that the tracker takes for a turn. A tracker
+may be off by a wave in the angle of the part, and by one in the place in the image. Then `sense` samples at the frames of the camera, adds noise and
 loses frames. NumPy only; the kernels do not come here.
 """
 
@@ -41,8 +42,8 @@ def _middle(of: str) -> tuple[Parameter, ...]:
 
 OBSERVATION = Stage(
     name="observation",
-    base=88,
-    slots=24,
+    base=96,
+    slots=32,
     effects=(
         Effect(
             name="camera_latency",
@@ -208,6 +209,56 @@ OBSERVATION = Stage(
                 ),
             ),
         ),
+        Effect(
+            name="angle_error",
+            equation="θ_seen = θ + s sin kθ + c cos kθ, k = 4",
+            source="square pixels and interpolation, as seen in turned images",
+            forms=("four times a turn", "twice a turn", "once a turn"),
+            parameters=(
+                Parameter(
+                    key="sine_deg",
+                    unit="°",
+                    to_si=_DEG,
+                    meaning="s",
+                    low=-10.0 * _DEG,
+                    high=10.0 * _DEG,
+                ),
+                Parameter(
+                    key="cosine_deg",
+                    unit="°",
+                    to_si=_DEG,
+                    meaning="c",
+                    low=-10.0 * _DEG,
+                    high=10.0 * _DEG,
+                ),
+            ),
+        ),
+        Effect(
+            name="pixel_locking",
+            equation="w_seen = w + s sin(2π w/p) + c cos(2π w/p) of each coordinate w",
+            source="peak locking; J. Westerweel 1997, doi:10.1088/0957-0233/8/12/002",
+            parameters=(
+                *(
+                    Parameter(
+                        key=f"{axis}_{wave}_um",
+                        unit="µm",
+                        to_si=_UM,
+                        meaning=f"{wave[0]} of {axis}",
+                    )
+                    for axis in "xy"
+                    for wave in ("sine", "cosine")
+                ),
+                Parameter(
+                    key="pitch_um",
+                    unit="µm",
+                    to_si=_UM,
+                    meaning="p: side of a pixel, or of what is taken for one",
+                    default=50.0 * _UM,
+                    low=0.1 * _UM,
+                    size=False,
+                ),
+            ),
+        ),
     ),
 )
 """The stage of the camera and the tracker."""
@@ -232,8 +283,15 @@ CAMERA_ANISOTROPY_TURNED = OBSERVATION.slot("camera_anisotropy", "turned")
 REGISTRATION_SHIFT_X = OBSERVATION.slot("registration_shift", "x_um")
 REGISTRATION_SHIFT_Y = OBSERVATION.slot("registration_shift", "y_um")
 
+ANGLE_ERROR_SINE = OBSERVATION.slot("angle_error", "sine_deg")
+ANGLE_ERROR_COSINE = OBSERVATION.slot("angle_error", "cosine_deg")
+ANGLE_ERROR_FORM = OBSERVATION.slot("angle_error", FORM)
+PIXEL_LOCKING = OBSERVATION.slot("pixel_locking", "x_sine_um")
+PIXEL_PITCH = OBSERVATION.slot("pixel_locking", "pitch_um")
+
 _SCALE_ABOUT = [CAMERA_SCALE_ABOUT_X, CAMERA_SCALE_ABOUT_Y]
 _ROTATION_ABOUT = [CAMERA_ROTATION_ABOUT_X, CAMERA_ROTATION_ABOUT_Y]
+_TIMES = np.array([4.0, 2.0, 1.0])  # a turn, by the form of an angle's error
 _ROUNDS = 50  # of Newton's rule, which converges quadratically but where the lens folds the image
 _LEAST = 1e-6  # slope of the lens, below which its inverse is not to be had
 _WHOLE_FRAME = 1e-9  # of a frame, so that 1 s at 30 Hz has the frame at its end
@@ -354,6 +412,7 @@ def observe(
     _turn(poses[..., 2], table[:, CAMERA_ROTATION_ANGLE])
     _shear(poses, table)
     _lean(poses, table)
+    _err(poses[..., 2], table)
     _show(times, poses[:, :, None, :2], table)
     if probes_seen_by_camera:
         _delay(times, probes, table[:, CAMERA_LATENCY_TIME])
@@ -382,6 +441,7 @@ def unseen(times: Floats, points: Floats, effects_table: Floats) -> Floats:
     lasted = _lasted(times, table)[..., None, None]
     shown = points - lasted * table[:, None, None, [CAMERA_DRIFT_X, CAMERA_DRIFT_Y]]
     shown -= table[:, None, None, [REGISTRATION_SHIFT_X, REGISTRATION_SHIFT_Y]]
+    _unlock(shown, table)
     on = _stretched(table)
     shown[on] = np.einsum("nij,ntqj->ntqi", np.linalg.inv(_axes(table[on])), shown[on])
     error = table[:, None, None, None, CAMERA_SCALE_PERCENT]
@@ -449,11 +509,12 @@ def sense(
 
 
 def _show(times: Floats, points: Floats, table: Floats) -> None:
-    """Take points (N, T, Q, 2) through rotation, lens, scale and drift."""
+    """Take points (N, T, Q, 2) through rotation, lens, scale, pixels and drift."""
     _rotate(points, table[:, CAMERA_ROTATION_ANGLE], table[:, _ROTATION_ABOUT])
     _distort(points, table[:, LENS_DISTORTION_K1])
     _scale(points, table[:, CAMERA_SCALE_PERCENT], table[:, _SCALE_ABOUT])
     _deform(points, table)
+    _lock(points, table)
     _drift(_lasted(times[None], table), points, table[:, [CAMERA_DRIFT_X, CAMERA_DRIFT_Y]])
     _shift(points, table[:, [REGISTRATION_SHIFT_X, REGISTRATION_SHIFT_Y]])
 
@@ -484,6 +545,40 @@ def _shear(poses: Floats, table: Floats) -> None:
     k = k1[on, None]
     stretch = 1.0 + k * (x**2 + y**2) + 2.0 * k * along**2
     poses[on, :, 2] += share[on, None] * np.arctan2(2.0 * k * along * across, stretch)
+
+
+def _err(angles: Floats, table: Floats) -> None:
+    """Add what a tracker is off by that depends on how the part is turned."""
+    sine, cosine = table[:, ANGLE_ERROR_SINE], table[:, ANGLE_ERROR_COSINE]
+    on = (sine != 0.0) | (cosine != 0.0)
+    many = _TIMES[table[on, ANGLE_ERROR_FORM].astype(int), None] * angles[on]
+    angles[on] += sine[on, None] * np.sin(many) + cosine[on, None] * np.cos(many)
+
+
+def _locked(points: Floats, table: Floats) -> Floats:
+    """(N, T, Q, 2) by what points (N, T, Q, 2) are drawn to the middle of pixels, m."""
+    waves = table[:, PIXEL_LOCKING : PIXEL_LOCKING + 4].reshape(-1, 1, 1, 2, 2)
+    turned = 2.0 * np.pi / table[:, PIXEL_PITCH, None, None, None] * points
+    return np.asarray(waves[..., 0] * np.sin(turned) + waves[..., 1] * np.cos(turned))
+
+
+def _locks(table: Floats) -> Flags:
+    """(N,) runs whose points are drawn to the middle of pixels."""
+    return np.asarray(np.any(table[:, PIXEL_LOCKING : PIXEL_LOCKING + 4] != 0.0, axis=1))
+
+
+def _lock(points: Floats, table: Floats) -> None:
+    on = _locks(table)
+    points[on] += _locked(points[on], table[on])
+
+
+def _unlock(points: Floats, table: Floats) -> None:
+    """The inverse of `_lock`, by a fixed point: what is drawn by less than a pixel stays in order."""
+    on = _locks(table)
+    free = points[on].copy()
+    for _ in range(_ROUNDS):
+        free = points[on] - _locked(free, table[on])
+    points[on] = free
 
 
 def _axes(table: Floats) -> Floats:

@@ -59,7 +59,7 @@ def _harmonics(prefix: str, unit: str, to_si: float, ending: str, what: str, mos
 
 RESIDUAL = Stage(
     name="residual",
-    base=112,
+    base=128,
     slots=32,
     effects=(
         Effect(

@@ -179,7 +179,8 @@ def _tangents(
     K, offset, twist, new = space[TANGENT], space[OFFSET], space[TWIST_NOW], space[TWIST_NEW]
     points, effects, kind = case.points, case.effects, case.law[INERTIA]
     surface, inertia = case.law[SURFACE : SURFACE + 6], case.law[INERTIA : INERTIA + 5]
-    heading = state.body[PART.cos], state.body[PART.sin]
+    x, y = state.body[PART.place], state.body[PART.place + 1]
+    heading = state.body[PART.cos], state.body[PART.sin], x, y
     soft = bending(effects, heading[0], heading[1])
     slope = pressure_slope(points, effects) if dry else (0.0, 0.0, 0.0)
     creep, age = smoothing * creep_speed(speed), state.body[PART.old]

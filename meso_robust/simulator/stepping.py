@@ -22,7 +22,7 @@ holds, the solution of that mode is taken.
 import numpy as np
 
 from meso_robust.kernels import part, sealed
-from meso_robust.simulator.actuation import COMPLIANCE, bending, drifted, drive
+from meso_robust.simulator.actuation import COMPLIANCE, bending, drifted, drive, screwed
 from meso_robust.simulator.advance import advance, closes, is_ambiguous
 from meso_robust.simulator.case import (
     AHEAD,
@@ -144,8 +144,8 @@ def _drive(case: Case, driven: bool, state: State, leg: int, step: int, n: int, 
         if driven:
             played = obstacles[p, OBSTACLES.played_x : OBSTACLES.played_x + 2]
             drive(case.effects, x, y, played)
-            x = played[0] + drifted(case.effects, 0, time)
-            y = played[1] + drifted(case.effects, 1, time)
+            x = played[0] + drifted(case.effects, 0, time) + screwed(case.effects, 0, x)
+            y = played[1] + drifted(case.effects, 1, time) + screwed(case.effects, 1, y)
         for a in range(2):
             move = (x if a == 0 else y) - obstacles[p, OBSTACLES.x + a]
             obstacles[p, OBSTACLES.move_x + a] = move
@@ -166,6 +166,7 @@ def _step(
         reach += attraction_reach(case.effects)
     angle = pose[2] + case.law[AHEAD] * state.body[PART.moved + 2]
     state.body[PART.cos], state.body[PART.sin] = np.cos(angle), np.sin(angle)
+    state.body[PART.place], state.body[PART.place + 1] = pose[0], pose[1]
     moved = np.inf
     while moved > reach:
         outcome, gap, count = _contacts(case, state, work, pose, reach, unit)
@@ -201,7 +202,8 @@ def _contacts(
     gap = smallest_gap(contacts, count)
     if gap < -_DEEPEST * max(unit, case.law[IDLE]):
         return OUT_OF_RANGE, gap, count
-    friction_of_contacts(case.effects, state.obstacles, contacts, marks, count)
+    time, probes = state.body[PART.time], case.waypoints.shape[1]
+    friction_of_contacts(case.effects, time, probes, state.obstacles, contacts, marks, count)
     recall_modes(marks, count)
     return COMPLETED, gap, count
 
@@ -269,12 +271,12 @@ def _displace(case: Case, plain: bool, body: Floats, pose: Floats, dt: float) ->
     pose[0] += cos * x - sin * y
     pose[1] += sin * x + cos * y
     pose[2] += turn
+    body[PART.time] += dt
     if plain:
         return
     body[PART.velocity] = (cos * x - sin * y) / dt
     body[PART.velocity + 1] = (sin * x + cos * y) / dt
     body[PART.velocity + 2] = turn / dt
-    body[PART.time] += dt
     if case.effects[AGE] != 0.0:
         # The mean square of the slip over the area, by the film's ratio of drags.
         slip = np.sqrt(x * x + y * y + case.law[FILM + 5] * turn * turn)

@@ -226,6 +226,26 @@ SUPPORT = Stage(
             ),
         ),
         Effect(
+            name="sticky_spot",
+            equation="k(x) = 1 + s exp(−(|x − m|/r)²), x the place on the stage",
+            source="dirt, a scratch or a thin place of the film",
+            forms=("the film drags more", "dry friction besides the film"),
+            parameters=(
+                _RATIO,
+                Parameter(key="x_um", unit="µm", to_si=_UM, size=False, meaning="m_x, stage frame"),
+                Parameter(key="y_um", unit="µm", to_si=_UM, size=False, meaning="m_y, stage frame"),
+                Parameter(
+                    key="radius_um",
+                    unit="µm",
+                    to_si=_UM,
+                    default=300.0 * _UM,
+                    low=1.0 * _UM,
+                    size=False,
+                    meaning="r: distance from m over which the resistance falls",
+                ),
+            ),
+        ),
+        Effect(
             name="inertia",
             equation="D(v) + e_x τ dv/dt = forces of the contacts, J dω/dt for turns",
             source="I. Newton 1687; the paper's Section IV leaves it out",
@@ -269,6 +289,12 @@ _UNEVEN = SUPPORT.slot("uneven_support", "ratio")
 _PRESSURE_X = SUPPORT.slot("uneven_support", "x_um")
 _PRESSURE_Y = SUPPORT.slot("uneven_support", "y_um")
 
+_SPOT = SUPPORT.slot("sticky_spot", "ratio")
+_SPOT_X = SUPPORT.slot("sticky_spot", "x_um")
+_SPOT_Y = SUPPORT.slot("sticky_spot", "y_um")
+_SPOT_RADIUS = SUPPORT.slot("sticky_spot", "radius_um")
+_SPOT_FORM = SUPPORT.slot("sticky_spot", FORM)
+
 INERTIA_TIME = SUPPORT.slot("inertia", "time_ms")
 """Column of the time in which a free part stops."""
 
@@ -282,16 +308,17 @@ NODE_SLOTS = (
     _PART_LAY,
     _GRADIENT_X,
     _GRADIENT_Y,
+    _SPOT,
 )
 """Columns of effects that act on every part of the area."""
-DRY_SLOTS = (_DRY, _STRIBECK, _DROP, _AGEING, _UNEVEN, _STAGE_LAY_FORM, _PART_LAY_FORM)
+DRY_SLOTS = (_DRY, _STRIBECK, _DROP, _AGEING, _UNEVEN, _STAGE_LAY_FORM, _PART_LAY_FORM, _SPOT_FORM)
 """Columns of effects that are not linear in the twist."""
 LAYS = [_STAGE_LAY, _PART_LAY]
 """Columns of the fractions of the two lays."""
 THINNING = _DROP
 """Column of the effect that needs a film although it is not linear."""
 FILM_SLOTS = (
-    _STAGE_LAY, _PART_LAY, _GRADIENT_X, _GRADIENT_Y, _CENTRE_X, _CENTRE_Y, _DRIFT
+    _STAGE_LAY, _PART_LAY, _GRADIENT_X, _GRADIENT_Y, _CENTRE_X, _CENTRE_Y, _DRIFT, _SPOT
 )  # fmt: skip
 """Columns of effects that change the film's drag matrix."""
 AGE = _AGEING
@@ -355,7 +382,8 @@ def film_matrix(
     gx, gy = effects[_GRADIENT_X], effects[_GRADIENT_Y]
     stage = effects[_STAGE_LAY] if effects[_STAGE_LAY_FORM] == 0.0 else 0.0
     part = effects[_PART_LAY] if effects[_PART_LAY_FORM] == 0.0 else 0.0
-    if gx != 0.0 or gy != 0.0 or stage != 0.0 or part != 0.0:
+    spotted = effects[_SPOT] != 0.0 and effects[_SPOT_FORM] == 0.0
+    if gx != 0.0 or gy != 0.0 or stage != 0.0 or part != 0.0 or spotted:
         angle = 2.0 * (effects[_STAGE_LAY_ANGLE] - pose[2])
         own = 2.0 * effects[_PART_LAY_ANGLE]
         along = stage * np.cos(angle) + part * np.cos(own)
@@ -367,7 +395,8 @@ def film_matrix(
             wx, wy = pose[0] + cos * x - sin * y, pose[1] + sin * x + cos * y
             grown = gx * wx + gy * wy
             k = np.exp(grown) if effects[_GRADIENT_FORM] == 0.0 else max(1.0 + grown, _LEAST_DRAG)
-            plus, minus = k * (1.0 + along) - 1.0, k * (1.0 - along) - 1.0
+            more = _spot(effects, wx, wy) / REFERENCE_SPEED if spotted else 0.0
+            plus, minus = k * (1.0 + along) - 1.0 + more, k * (1.0 - along) - 1.0 + more
             add_point(out, x, y, w * plus, w * k * across, w * minus)
     cx, cy = effects[_CENTRE_X], effects[_CENTRE_Y]
     if cx != 0.0 or cy != 0.0:
@@ -376,6 +405,13 @@ def film_matrix(
         growth = np.exp(effects[_DRIFT] * time)
         for k in range(6):
             out[k] *= growth
+
+
+@sealed
+def _spot(effects: Floats, x: float, y: float) -> float:
+    """What a spot of the stage resists with at a place, over the film's drag, m/s."""
+    dx, dy = x - effects[_SPOT_X], y - effects[_SPOT_Y]
+    return float(effects[_SPOT] * np.exp(-(dx * dx + dy * dy) / effects[_SPOT_RADIUS] ** 2))
 
 
 @sealed
@@ -424,7 +460,7 @@ def resist_dry(
     surface: Floats,
     effects: Floats,
     slope: tuple[float, float, float],
-    heading: tuple[float, float],
+    heading: tuple[float, float, float, float],
     age: float,
     creep: float,
     v: Floats,
@@ -445,7 +481,7 @@ def resist_dry(
     slope
         From `pressure_slope`.
     heading
-        Cosine and sine of the part's angle.
+        Cosine and sine of the part's angle, and x and y of its reference point in m.
     age
         Age of the contact, s.
     creep
@@ -462,6 +498,7 @@ def resist_dry(
     """
     aged = _aged(effects, age)
     laid, part, stage = _laid(effects, heading)
+    spotted = effects[_SPOT] != 0.0 and effects[_SPOT_FORM] != 0.0
     # sums in numbers of their own: an array might be one of those that are read
     k0, k1, k2, k3, k4, k5, o0, o1, o2 = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     for i in range(points.shape[0]):
@@ -471,6 +508,10 @@ def resist_dry(
         slow = 1.0 / m
         hx, hy = ux * slow, uy * slow
         c, film, drop = _strength(points, i, effects, slope, aged, m)
+        if spotted:
+            wx = heading[2] + heading[0] * x - heading[1] * y
+            wy = heading[3] + heading[1] * x + heading[0] * y
+            c += points[i, 3] * _spot(effects, wx, wy)
         if laid:
             film += points[i, 3] * _lays(effects, part, stage, hx, hy)
         dry[i, _SLOW], dry[i, _ALONG], dry[i, _ALONG + 1], dry[i, _MOST] = slow, hx, hy, c
@@ -498,7 +539,7 @@ def resist_dry(
 
 @sealed
 def _laid(
-    effects: Floats, heading: tuple[float, float]
+    effects: Floats, heading: tuple[float, float, float, float]
 ) -> tuple[bool, tuple[float, float], tuple[float, float]]:
     """Whether a lay acts against the slip, and directions of those of part and stage, body frame."""
     part, stage = effects[_PART_LAY_ANGLE], effects[_STAGE_LAY_ANGLE]

@@ -128,9 +128,11 @@ class _Part(NamedTuple):
     """Age of the contact."""
     next: int = 10
     """First of three: displacement in this step, body frame."""
+    place: int = 13
+    """First of two: x and y at the start of the step, world frame."""
 
 
-PART, PART_LENGTH = _Part(), 13
+PART, PART_LENGTH = _Part(), 15
 
 
 class Work(NamedTuple):

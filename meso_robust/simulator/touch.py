@@ -1,9 +1,11 @@
-"""What a probe's tip does to the part besides pressing on it: friction by edge, adhesion, attraction.
+"""What a probe's tip does to the part besides pressing on it: friction by edge and time, adhesion, attraction.
 
 Adhesion and attraction pull the part towards the tip with a force that does not depend on the
 contact; the contact itself still only presses, ``λ_n ≥ 0``, so that the force between part and tip
 is ``λ_n − F`` and its friction ``μ λ_n`` holds while the tip is drawn back.
 """
+
+import numpy as np
 
 from meso_robust.kernels import sealed
 from meso_robust.simulator.contact import PER_CORNER
@@ -15,7 +17,7 @@ _UM = 1e-6
 
 CONTACT = Stage(
     name="contact",
-    base=48,
+    base=56,
     slots=16,
     effects=(
         Effect(
@@ -81,6 +83,22 @@ CONTACT = Stage(
                 ),
             ),
         ),
+        Effect(
+            name="friction_drift",
+            equation="μ of every tip = μ exp(r t)",
+            source="a tip that is wetted by the film, or polished, while it slides",
+            forms=("steady", "slows down, as exp(r t₀ ln(1 + t/t₀))"),
+            parameters=(
+                Parameter(
+                    key="rate_percent_s", unit="%/s", to_si=0.01, low=-5.0, high=5.0,
+                    meaning="r: relative growth of the friction coefficient since the start of a recording",
+                ),
+                Parameter(
+                    key="time_s", unit="s", to_si=1.0, default=1.0, low=1e-2, high=1e3, size=False,
+                    meaning="t₀: of a change that slows down, time in which it halves its speed",
+                ),
+            ),
+        ),
     ),
 )  # fmt: skip
 
@@ -96,6 +114,9 @@ EDGE = CONTACT.slot("edge_dependent_friction", "edge")
 SPREAD = CONTACT.slot("friction_spread", "change")
 TIP = CONTACT.slot("friction_spread", "tip")
 """Columns of the change of friction of one probe, and of which it is."""
+_FADING = CONTACT.slot("friction_drift", "rate_percent_s")
+_FADING_TIME = CONTACT.slot("friction_drift", "time_s")
+_FADING_FORM = CONTACT.slot("friction_drift", FORM)
 PULL_SLOTS = (_ADHESION, _ATTRACTION)
 """Columns of effects that draw the part to a tip."""
 REACH_OF_ATTRACTION = 50.0
@@ -106,16 +127,31 @@ _TOUCHING = 1e-9  # m: a gap this small wets the tip
 
 @sealed
 def friction_of_contacts(
-    effects: Floats, obstacles: Floats, contacts: Floats, marks: Ints, count: int
+    effects: Floats,
+    time: float,
+    probes: int,
+    obstacles: Floats,
+    contacts: Floats,
+    marks: Ints,
+    count: int,
 ) -> None:
-    """Write the friction coefficient of every contact, and no pull.
+    """Write the friction coefficient of every contact after some s of the run, and no pull.
 
-    A corner of the part belongs to no edge and has the plain coefficient.
+    A corner of the part belongs to no edge and has the plain coefficient; so have obstacles that are no
+    probes at any time.
     """
     change, edge = effects[_CHANGE], effects[EDGE]
     spread, tip = effects[SPREAD], effects[TIP]
+    faded = 1.0
+    if effects[_FADING] != 0.0:
+        lasted = time
+        if effects[_FADING_FORM] != 0.0:
+            lasted = effects[_FADING_TIME] * np.log1p(time / effects[_FADING_TIME])
+        faded = np.exp(effects[_FADING] * lasted)
     for c in range(count):
         mu = obstacles[marks[c, MARKS.who], OBSTACLES.friction]
+        if marks[c, MARKS.who] < probes:
+            mu *= faded
         if spread != 0.0 and marks[c, MARKS.who] == tip:
             mu *= 1.0 + spread
         if (

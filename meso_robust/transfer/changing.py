@@ -163,7 +163,7 @@ def _is_real(
 ) -> bool:
     """Whether the model says what only a task of schema 2 can."""
     plain = Absorbed(said="")
-    fields = ("radius_um", "drag_centre_um", "anisotropy", "friction", "drift_um_s")
+    fields = ("radius_um", "drag_centre_um", "anisotropy", "friction", "wander_um", "drift_um_s")
     return (
         "size_tolerance_um" in part
         or bool(document.probe and document.probe.tip_radius_um)
@@ -186,9 +186,10 @@ def _make_real(
     if (low, high) != (1.0, 1.0):
         u["friction_common"] = False
         u["friction"] = _outward(u["friction"][0] * low, u["friction"][1] * high)
-    more = sum(spelled(one.drag_centre_um) for one in absorbed)
-    if more:
-        u["drag_centre_um"] = rounded_up(spelled(u.get("drag_centre_um", 0.0)) + more)
+    for key, field in (("drag_centre_um", "drag_centre_um"), ("probe_wander_um", "wander_um")):
+        more = sum(spelled(getattr(one, field)) for one in absorbed)
+        if more:
+            u[key] = rounded_up(spelled(u.get(key, 0.0)) + more)
     if any(one.centre_moves for one in absorbed):
         u["drag_centre_moves"] = True
     for share in (one.ratio_share for one in absorbed if one.ratio_share):
@@ -349,6 +350,7 @@ _FIELDS = {
     "passive_tip_radius_um": "radius_um",
     "drag_centre_um": "drag_centre_um",
     "drag_centre_moves": "centre_moves",
+    "probe_wander_um": "wander_um",
     "drag_anisotropy_percent": "anisotropy",
     "travel_direction_deg": "drift_um_s",
     "travel_scale_percent": "drift_um_s",

@@ -95,6 +95,8 @@ class Absorbed:
     """Whether the part may drag more, in all, than the film as stated."""
     friction: Ends = (1.0, 1.0)
     """Factors on the friction of a tip, each tip with its own."""
+    wander_um: float = 0.0
+    """Added to how far a moving probe strays from its path, and does at most in 100 um of travel."""
     drift_um_s: float = 0.0
     """Speed of all probes besides their travel, in any direction; no probe then rests."""
     post: Post | None = None
@@ -334,6 +336,21 @@ def probe_drift(ranges: Ranges, budget: Budget) -> Absorbed:
     )
 
 
+def leadscrew_error(ranges: Ranges, _: Budget) -> Absorbed:
+    """A probe is off by √(s² + c²) of each axis where it starts, and strays by twice that.
+
+    Along an axis it does so with a slope of 2π √(s² + c²) / p at most.
+    """
+    waves = [_distance(ranges, f"{axis}_sine_um", f"{axis}_cosine_um") for axis in "xy"]
+    steepest = 2.0 * math.pi * 100.0 / min(ranges["period_um"])
+    far, stray = rounded_up(max(waves)), rounded_up(max(waves) * max(2.0, steepest))
+    return Absorbed(
+        said=f"probe position ± {far:g} µm more, and a path that strays by {stray:g} µm: once a turn of the screw",
+        probe_um=far,
+        wander_um=stray,
+    )
+
+
 def camera_latency(ranges: Ranges, _: Budget) -> Absorbed:
     """A pose that has been at rest for the latency is seen as it is."""
     wait = math.ceil(largest(ranges["time_ms"]) * _ROUNDING)
@@ -419,6 +436,18 @@ def registration_shift(ranges: Ranges, _: Budget) -> Absorbed:
     return Absorbed(said=f"sensed position ± {far:g} µm more: |c|", sensed_um=far)
 
 
+def angle_error(ranges: Ranges, _: Budget) -> Absorbed:
+    """√(s² + c²), whatever k is."""
+    turned = rounded_up(_distance(ranges, "sine_deg", "cosine_deg"))
+    return Absorbed(said=f"sensed orientation ± {turned:g}° more: √(s² + c²)", turned_deg=turned)
+
+
+def pixel_locking(ranges: Ranges, _: Budget) -> Absorbed:
+    """√(s² + c²) of each coordinate, together."""
+    far = rounded_up(_wave(ranges))
+    return Absorbed(said=f"sensed position ± {far:g} µm more: √(s² + c²)", sensed_um=far)
+
+
 def part_yaw(ranges: Ranges, _: Budget) -> Absorbed:
     """|ψ|."""
     turned = rounded_up(largest(ranges["angle_deg"]))
@@ -434,6 +463,12 @@ def camera_drift(ranges: Ranges, budget: Budget) -> Absorbed:
         bounded_by="time",
         condition=f"the last pose is sensed within {budget.seconds:g} s of the camera's calibration",
     )
+
+
+def _wave(ranges: Ranges) -> float:
+    """Largest displacement by a wave of its own on each axis; um."""
+    x, y = (_distance(ranges, f"{axis}_sine_um", f"{axis}_cosine_um") for axis in "xy")
+    return math.hypot(x, y) * _ROUNDING
 
 
 def _from_origin(ranges: Ranges) -> float:

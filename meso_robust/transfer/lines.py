@@ -144,6 +144,11 @@ LINES: Mapping[str, Line] = {
         inflation.uneven_support,
         ("x_um", "y_um"),
     ),
+    "sticky_spot": _one_point(
+        "eq-5-ratio",
+        Premise.FILM_DRAG,
+        "a place of the stage holds what lies over it: the centre of drag moves as the part passes",
+    ),
     "body_force": _one_point(
         "eq-5-normal-force",
         Premise.PART_RESTS,
@@ -158,6 +163,11 @@ LINES: Mapping[str, Line] = {
         "eq-5-normal-force",
         Premise.PART_RESTS,
         "a wall draws the part without touching it, untouched or pushed",
+    ),
+    "point_pull": _one_point(
+        "eq-5-normal-force",
+        Premise.PART_RESTS,
+        "a place of the stage draws the part, untouched or pushed",
     ),
     "unmodelled_wall": Line(
         premise=Premise.PART_KNOWN,
@@ -190,6 +200,11 @@ LINES: Mapping[str, Line] = {
         derivation="derivations/rotation_existence.py",
         why="the μ of the tips differ",
         absorb=inflation.own_friction,
+    ),
+    "friction_drift": _one_point(
+        "eq-5-ratio",
+        Premise.COULOMB_FRICTION,
+        "the μ of the tips goes on changing: no range is known to hold it",
     ),
     "inertia": Line(
         premise=Premise.QUASI_STATIC,
@@ -228,6 +243,13 @@ LINES: Mapping[str, Line] = {
         "a tip lags by half the lost motion while it pushes, and may start anywhere in it",
         inflation.backlash,
     ),
+    "leadscrew_error": Line(
+        premise=Premise.TRAVEL_STRAIGHT,
+        claim="closed-form-motion",
+        derivation="derivations/sticking_motion.py",
+        why="a probe's error goes back and forth during a move: it does not travel along a line",
+        absorb=inflation.leadscrew_error,
+    ),
     "probe_drift": Line(
         premise=Premise.TRAVEL_STRAIGHT,
         claim="closed-form-motion",
@@ -244,6 +266,8 @@ LINES: Mapping[str, Line] = {
     "camera_anisotropy": _sensing(
         "lengths along one axis are seen too long", inflation.camera_anisotropy
     ),
+    "angle_error": _sensing("the angle is off by how the part is turned", inflation.angle_error),
+    "pixel_locking": _sensing("places are drawn to the middle of pixels", inflation.pixel_locking),
     "registration_shift": _sensing(
         "the camera's frame stands off the probes'", inflation.registration_shift
     ),

@@ -2,7 +2,8 @@
 
 Sets of the same kinds and laws as the others, drawn with other seeds. Films are made by `film` and tracked by ``track``,
 then diagnosed in the quick and in the full form. Those of `SHORT` and of `LATE`, most of them outside the catalogue or a
-pair, come as recordings; so do those of `WHOLE` and `LAST`, which have every kind in its share.
+pair, come as recordings; so do those of `WHOLE` and `LAST`, which have every kind in its share, and those of `BEYOND`,
+which have other laws too.
 """
 
 from __future__ import annotations
@@ -17,6 +18,7 @@ from multiprocessing import get_context
 from pathlib import Path
 from typing import Any
 
+from reports.blind3 import beyond
 from reports.blind3.answering import diagnosed
 from reports.blind3.cases import HERE, Case, digest, listed, sealed, text_hash
 from reports.blind3.filming import SEED, tracked
@@ -217,7 +219,29 @@ LAST = Trial(
     ),
     forms=("quick",),
 )
-TRIALS = {"films": FILMS, "short": SHORT, "late": LATE, "whole": WHOLE, "last": LAST}
+BEYOND = Trial(
+    out=HERE / "beyond",
+    cases=beyond.listed(100, 20261202),
+    made=beyond.sealed,
+    follows=("generate.py", "laws.py", "cases.py", "beyond.py"),
+    blocks=(
+        (
+            0,
+            100,
+            "six effects more are known: a sticky spot, a pull to a point, friction that drifts, "
+            "pixels that lock, a lead screw, an angle that is off",
+        ),
+    ),
+    forms=("quick",),
+)
+TRIALS = {
+    "films": FILMS,
+    "short": SHORT,
+    "late": LATE,
+    "whole": WHOLE,
+    "last": LAST,
+    "beyond": BEYOND,
+}
 
 
 def main(arguments: Sequence[str] | None = None) -> None:

@@ -10,10 +10,13 @@ from typing import Any
 
 from meso_robust.campaigns.intervals import share_interval
 from meso_robust.simulator.catalogue import family_of
+from reports.blind3 import beyond
 from reports.blind3.cases import COMMITMENT, HERE, Case, listed
 from reports.blind3.laws import FAMILIES, OUTSIDE
 
 Values = Mapping[str, Any]
+KNOWN = {**FAMILIES, **beyond.LEARNT}
+"""Families that a case may conceal and the catalogue has."""
 PLAIN = 4.0
 """Measured size over the just detectable one from which on a family is to be named."""
 TRUE_OF_ALL = frozenset({"anisotropic_drag", "probe_compliance"})
@@ -98,9 +101,7 @@ class Scored:
     @property
     def wrong(self) -> bool:
         """Named outright, with an effect that is not there."""
-        there = TRUE_OF_ALL.union(
-            *(accepted(name) for name in self.case.families if name in FAMILIES)
-        )
+        there = TRUE_OF_ALL.union(*map(accepted, self.case.families))
         return self.answer["verdict"] == "named" and not self.names <= there
 
     @property
@@ -116,7 +117,8 @@ class Scored:
     @property
     def outside_as_wanted(self) -> bool:
         """Unknown or partial, put at the stage where it is."""
-        stages = {OUTSIDE[name].stage for name in self.case.families}
+        laws = {**OUTSIDE, **beyond.OUTSIDE}
+        stages = {laws[name].stage for name in self.case.families}
         return self.answer["verdict"] in ("unknown", "partial") and self.answer["stage"] in stages
 
     @property
@@ -152,7 +154,7 @@ class Scored:
 
 def accepted(family: str) -> frozenset[str]:
     """Names of the catalogue that are right for a family."""
-    known = FAMILIES.get(family)
+    known = KNOWN.get(family)
     return frozenset({family, *known.alike}) if known else frozenset()
 
 

@@ -201,7 +201,7 @@ def test_a_drift_that_slows_down_still_goes_on_in_the_shortest_recording(null: D
     prepared = null.baseline.prepared
     shortest = (prepared.times[:, -1] - prepared.times[:, 0]).min()
     slow = [one for one in trials(prepared) if "time_s" in one.free]
-    assert {one.effect for one in slow} == {"probe_drift", "camera_drift"}
+    assert {one.effect for one in slow} == {"probe_drift", "camera_drift", "friction_drift"}
     for one in slow:
         model = extended(null.baseline.model, (one,), prepared)
         assert model.parameters[-1].key == f"{one.effect}.time_s"

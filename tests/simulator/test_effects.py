@@ -41,13 +41,13 @@ FULL = Film.under(rectangle())
 NAMES = {
     "support": "dry_friction stribeck_friction shear_thinning anisotropic_drag "
     "part_anisotropic_drag drag_centre_offset drag_gradient drag_drift breakaway_friction "
-    "uneven_support inertia",
-    "environment": "body_force film_flow wall_capillarity unmodelled_wall",
-    "contact": "tip_adhesion tip_attraction edge_dependent_friction friction_spread",
+    "uneven_support sticky_spot inertia",
+    "environment": "body_force film_flow wall_capillarity point_pull unmodelled_wall",
+    "contact": "tip_adhesion tip_attraction edge_dependent_friction friction_spread friction_drift",
     "geometry": "part_geometry tip_radius reference_offset part_yaw",
-    "actuation": "probe_compliance backlash probe_drift",
+    "actuation": "probe_compliance backlash probe_drift leadscrew_error",
     "observation": "camera_latency camera_scale camera_rotation camera_drift lens_distortion "
-    "camera_anisotropy registration_shift",
+    "camera_anisotropy registration_shift angle_error pixel_locking",
     "residual": "residual",
 }
 
@@ -71,6 +71,10 @@ ON: Values = {
     "tip_attraction": {"pull_um_s": 20.0},
     "edge_dependent_friction": {"change": -0.8, "edge": 0.0},
     "friction_spread": {"change": -0.8, "tip": 0.0},
+    "sticky_spot": {"ratio": 2.0, "x_um": 300.0, "y_um": -200.0},
+    "point_pull": {"pull_um_s": 8.0, "x_um": 400.0, "y_um": 300.0},
+    "friction_drift": {"rate_percent_s": -400.0},
+    "leadscrew_error": {"x_sine_um": 3.0, "y_cosine_um": -2.0, "period_um": 90.0},
     "inertia": {"time_ms": 40.0},
     "part_geometry": {"x_um": 15.0, "y_um": -6.0},
     "tip_radius": {"excess_um": -4.0},
@@ -242,13 +246,15 @@ def test_every_effect_shows(name: str) -> None:
 RATE = {
     "dry_friction", "stribeck_friction", "breakaway_friction", "uneven_support", "body_force",
     "film_flow", "wall_capillarity", "tip_adhesion", "tip_attraction", "probe_compliance",
-    "probe_drift", "inertia",
+    "probe_drift", "inertia", "point_pull", "friction_drift",
 }  # fmt: skip
 # A gradient exp(g · x) of a film alone is the same at every place but for its scale.
-PLACE = {"wall_capillarity", "unmodelled_wall"}
+PLACE = {
+    "wall_capillarity", "unmodelled_wall", "point_pull", "sticky_spot", "leadscrew_error",
+}  # fmt: skip
 DIRECTION = {
     "anisotropic_drag", "drag_gradient", "body_force", "film_flow", "wall_capillarity",
-    "unmodelled_wall", "probe_drift", "backlash",
+    "unmodelled_wall", "probe_drift", "backlash", "point_pull", "sticky_spot", "leadscrew_error",
 }  # fmt: skip
 
 
@@ -331,6 +337,28 @@ def test_capillarity_pulls_to_the_wall_by_its_closed_form() -> None:
     gap = 200 * UM * np.log(np.exp(500 / 200) - 50 * 20 / 200)
     way = 500 * UM - gap
     close(end, [way * np.cos(np.pi / 6), way * np.sin(np.pi / 6), 0.0], 2e-3 * way)
+
+
+@pytest.mark.parametrize("form", [0.0, 1.0])
+def test_a_place_draws_the_part_by_its_law(form: float) -> None:
+    """From 400 µm away; a force that falls as the distance has a closed form of the time."""
+    p, reach, from_, way = 20.0, 150.0, 400.0, np.array([0.6, -0.8])
+    values = {"pull_um_s": p, "x_um": 50.0, "y_um": 30.0, "range_um": reach, "form": form}
+    pose = np.append(np.array([50.0, 30.0]) + from_ * way, 0.0) * [UM, UM, 1.0]
+    end = free({"point_pull": values}, 12.0, poses=pose[None], time_step=2e-3).poses[0]
+    if form == 0.0:
+        law = solve_ivp(
+            lambda _, a: -p * a / reach * np.exp(0.5 - a**2 / (2 * reach**2)),
+            (0.0, 12.0),
+            [from_],
+            rtol=1e-10,
+        )
+        left = float(law.y[0, -1])
+    else:
+        whole = np.log(from_) + from_**2 / (2 * reach**2) - 2 * p * 12.0 / reach
+        left = brentq(lambda a: np.log(a) + a**2 / (2 * reach**2) - whole, 1.0, from_)
+    assert from_ - left > 20.0
+    close(end, np.append((np.array([50.0, 30.0]) + left * way) * UM, 0.0), 0.2 * UM)
 
 
 def test_post_is_a_disc_that_does_not_move() -> None:
@@ -427,6 +455,22 @@ def test_friction_of_a_tip_is_that_of_its_tip_only() -> None:
     close(absent, end({}, 0.2, 0.2), 1e-14)
 
 
+@pytest.mark.parametrize(("form", "lasted"), [(0.0, 10.0), (1.0, 2.0 * np.log1p(5.0))])
+def test_friction_that_drifts_is_what_has_become_of_it(form: float, lasted: float) -> None:
+    """A short push after 10 s, in which 5 % are lost a second; a wall of the stage keeps its friction."""
+    x, y = 500 * UM, -HALF_SHORT - 16 * UM
+    way = np.array([[[[x, y]], [[x, y]], [[x + 80 * UM, y + 60 * UM]]]])
+    given: dict[str, Any] = {"waypoints": way, "times": np.array([[0.0, 10.0, 10.001]])}
+    drift = {"rate_percent_s": -5.0, "time_s": 2.0, "form": form}
+    found = simulate(lifted({"friction_drift": drift}, **given)).poses
+    close(
+        found,
+        simulate(lifted({}, friction=np.array([[MU * np.exp(-0.05 * lasted)]]), **given)).poses,
+        2e-9,
+    )
+    assert np.abs(found - simulate(lifted({}, **given)).poses).max() > 1e-7
+
+
 # --- inertia ------------------------------------------------------------------------------------------
 
 
@@ -519,6 +563,22 @@ def test_a_probe_that_bends_less_across_lags_by_its_compliance_that_way(
     result = simulate(push, instants=np.array([[1.6]]))
     lag = v * tau * (1 - np.exp(-stop / tau))
     assert result.path[0, 0, 1] == pytest.approx(v * stop - lag, abs=0.08 * UM)
+
+
+def test_a_screw_moves_the_tip_where_its_wave_takes_it() -> None:
+    """The end is that of a push to where the wave is at the end of the command: paths do not depend on times."""
+    wave = np.array([[2.5, 0.0], [1.5, -3.0]])  # x and y, sine and cosine; µm
+    values = {
+        f"{a}_{w}_um": wave[i, j]
+        for i, a in enumerate("xy")
+        for j, w in enumerate(("sine", "cosine"))
+    }
+    push = lifted({"leadscrew_error": {**values, "period_um": 70.0}})
+    turned = 2.0 * np.pi * push.waypoints / (70.0 * UM)
+    off = UM * (wave[:, 0] * np.sin(turned) + wave[:, 1] * np.cos(turned))
+    want = simulate(replace(lifted({}), waypoints=push.waypoints + off)).poses
+    close(simulate(push).poses, want, 0.05 * UM)
+    assert np.abs(want - simulate(lifted({})).poses).max() > 1e-7
 
 
 def test_drift_of_the_mount_moves_a_touching_part() -> None:
@@ -642,6 +702,17 @@ def centred(speed: F, x: F, y: F) -> F:
     return np.asarray(0.6 * SPEED * (1 + slope))
 
 
+def spotted(x: F, y: F) -> F:
+    """Twice the film's drag more in the middle of a spot of the stage."""
+    wx, wy = START[0] + _COS * x - _SIN * y, START[1] + _SIN * x + _COS * y
+    return np.asarray(2.0 * np.exp(-((wx - 100e-6) ** 2 + (wy + 500e-6) ** 2) / 400e-6**2))
+
+
+def held(ux: F, uy: F, x: F, y: F) -> tuple[F, F]:
+    return (1 + spotted(x, y)) * ux, (1 + spotted(x, y)) * uy
+
+
+SPOT = {"ratio": 2.0, "x_um": 100.0, "y_um": -500.0, "radius_um": 400.0}
 LAWS: dict[str, tuple[Values, Law]] = {
     "plain": ({}, film_law),
     "dry": ({"dry_friction": {"ratio": 0.6}}, coulomb(lambda s, x, y: 0.6 * SPEED)),
@@ -662,6 +733,11 @@ LAWS: dict[str, tuple[Values, Law]] = {
     "part lay": (
         {"part_anisotropic_drag": {"fraction": 0.4, "direction_deg": 50.0}},
         lay(0.4, np.deg2rad(50)),
+    ),
+    "spot": ({"sticky_spot": SPOT}, held),
+    "dry spot": (
+        {"sticky_spot": {**SPOT, "form": 1.0}},
+        coulomb(lambda s, x, y: SPEED * spotted(x, y)),
     ),
     "gradient": ({"drag_gradient": {"x_per_mm": 0.7, "y_per_mm": -0.4}}, graded),
 }

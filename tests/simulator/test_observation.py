@@ -12,6 +12,9 @@ import pytest
 
 from meso_robust.simulator.effects import Effects
 from meso_robust.simulator.observation import (
+    ANGLE_ERROR_COSINE,
+    ANGLE_ERROR_FORM,
+    ANGLE_ERROR_SINE,
     CAMERA_ANISOTROPY_SHEAR,
     CAMERA_ANISOTROPY_TURNED,
     CAMERA_ANISOTROPY_X,
@@ -30,6 +33,8 @@ from meso_robust.simulator.observation import (
     LENS_DISTORTION_K1,
     LENS_DISTORTION_TURNED,
     OBSERVATION,
+    PIXEL_LOCKING,
+    PIXEL_PITCH,
     REGISTRATION_SHIFT_X,
     REGISTRATION_SHIFT_Y,
     Frames,
@@ -55,6 +60,8 @@ SLOT_OF = {
         CAMERA_ANISOTROPY_SHEAR,
         CAMERA_ANISOTROPY_TURNED,
     ),
+    "angle_error": (ANGLE_ERROR_SINE, ANGLE_ERROR_COSINE, ANGLE_ERROR_FORM),
+    "pixel_locking": (*range(PIXEL_LOCKING, PIXEL_LOCKING + 4), PIXEL_PITCH),
     "registration_shift": (REGISTRATION_SHIFT_X, REGISTRATION_SHIFT_Y),
 }
 ON: dict[str, dict[str, float | Floats]] = {
@@ -64,6 +71,8 @@ ON: dict[str, dict[str, float | Floats]] = {
     "camera_drift": {"x_um_s": 0.4, "y_um_s": -0.2},
     "lens_distortion": {"k1_per_mm2": 0.01},
     "camera_anisotropy": {"x_percent": -0.4, "y_percent": 2.3, "shear_percent": 0.2},
+    "angle_error": {"sine_deg": 0.5, "cosine_deg": -0.3},
+    "pixel_locking": {"x_sine_um": 2.0, "x_cosine_um": 1.0, "y_sine_um": -1.5, "y_cosine_um": 0.5},
     "registration_shift": {"x_um": 3.0, "y_um": -7.0},
 }
 
@@ -91,11 +100,13 @@ def same_bits(a: Floats, b: Floats) -> bool:
 def test_the_stage_declares_its_effects_in_its_block_of_the_table() -> None:
     assert {effect.name for effect in OBSERVATION.effects} == set(SLOT_OF)
     slots = sorted(slot for group in SLOT_OF.values() for slot in group)
-    assert slots == list(range(OBSERVATION.base, OBSERVATION.base + 19))
+    assert slots == list(range(OBSERVATION.base, OBSERVATION.base + 27))
     table = Effects(ON).table[0]
     expected = [0.06, 0.007, 250e-6, -400e-6, math.radians(1.3), -600e-6, 150e-6]
     expected += [0.4e-6, -0.2e-6, 1.0, 0.0, 1e4, 0.0]
-    expected += [-0.004, 0.023, 0.002, 0.0, 3e-6, -7e-6]
+    expected += [-0.004, 0.023, 0.002, 0.0]
+    expected += [math.radians(0.5), math.radians(-0.3), 0.0, 2e-6, 1e-6, -1.5e-6, 0.5e-6, 50e-6]
+    expected += [3e-6, -7e-6]
     columns = [slot for group in SLOT_OF.values() for slot in group]
     assert table[columns] == pytest.approx(expected, rel=1e-15)
 
@@ -114,7 +125,7 @@ def test_an_effect_at_zero_leaves_the_others_bit_for_bit(on: str, off: str) -> N
     alone = seen({on: ON[on]})
     beside = seen({on: ON[on], off: dict.fromkeys(ON[off], 0.0)})
     run_by_run = seen({on: ON[on], off: {key: np.array([0.09, 0.0, 0.0]) for key in ON[off]}})
-    for k in range(2):
+    for k in range(1 if off == "angle_error" else 2):  # a tip has no angle
         assert same_bits(alone[k], beside[k])
         assert same_bits(alone[k][1:], run_by_run[k][1:])
         assert not same_bits(alone[k][0], run_by_run[k][0])
@@ -142,9 +153,12 @@ def test_rotation_scale_lens_stretch_drift_and_shift_are_those_of_complex_number
             z *= 1.0 + 0.01e6 * abs(z) ** 2
             z = (z - scaled_about) * 1.007 + scaled_about
             z = complex(0.996 * z.real + 0.002 * z.imag, 0.002 * z.real + 1.023 * z.imag)
+            x, y = (cmath.exp(2j * math.pi / 50e-6 * part) for part in (z.real, z.imag))
+            z += 1e-6 * complex(2.0 * x.imag + x.real, 0.5 * y.real - 1.5 * y.imag)
             z += complex(0.4e-6, -0.2e-6) * float(TIMES[k]) + complex(3e-6, -7e-6)
             assert complex(*image) == pytest.approx(z, abs=1e-17)
         turned = poses[run, k, 2] + math.radians(1.3)
+        turned += math.radians(0.5 * math.sin(4.0 * turned) - 0.3 * math.cos(4.0 * turned))
         assert out_poses[run, k, 2] == pytest.approx(turned, abs=1e-16)
 
 
@@ -186,6 +200,36 @@ def test_a_tracked_axis_is_turned_as_the_image_of_two_points_of_it() -> None:
         shear = expected - heading - turn
         assert abs(shear) > 0.02
         assert seen[0, 0, 2] == pytest.approx(heading + turn + share * shear, abs=1e-9)
+
+
+@pytest.mark.parametrize(("form", "many"), [(0.0, 4), (1.0, 2), (2.0, 1)])
+def test_an_angle_is_off_by_a_wave_of_so_many_a_turn(form: float, many: int) -> None:
+    """By the power of a unit number, whose imaginary part is the sine."""
+    poses, _ = motion()
+    found, _ = seen({"angle_error": {"sine_deg": 2.0, "cosine_deg": -1.0, "form": form}})
+    power = np.exp(1j * poses[..., 2]) ** many
+    off = np.radians(2.0 * power.imag - power.real)
+    np.testing.assert_allclose(found[..., 2] - poses[..., 2], off, atol=1e-15)
+    assert same_bits(found[..., :2], poses[..., :2])
+
+
+def test_points_that_lie_alike_in_their_pixels_are_drawn_alike() -> None:
+    """By the power of a unit number again; a pixel further on nothing else happens."""
+    sizes = {"x_sine_um": 4.0, "x_cosine_um": -2.0, "y_sine_um": 0.0, "y_cosine_um": 3.0}
+    table = Effects({"pixel_locking": {**sizes, "pitch_um": 80.0}}).table
+    poses, probes = motion()
+    found, _ = observe(TIMES, poses, probes, table, probes_seen_by_camera=False)
+    unit = np.exp(2j * np.pi / 80e-6 * poses[..., :2])
+    off = np.stack(
+        [4.0 * unit[..., 0].imag - 2.0 * unit[..., 0].real, 3.0 * unit[..., 1].real], axis=-1
+    )
+    np.testing.assert_allclose(found[..., :2] - poses[..., :2], 1e-6 * off, atol=1e-12)
+    on, _ = observe(
+        TIMES, poses + np.array([80e-6, -160e-6, 0.0]), probes, table, probes_seen_by_camera=False
+    )
+    np.testing.assert_allclose(
+        on - found, np.broadcast_to([80e-6, -160e-6, 0.0], on.shape), atol=1e-12
+    )
 
 
 def test_what_is_shown_tells_where_it_is() -> None:
