@@ -515,17 +515,19 @@ def _show(times: Floats, points: Floats, table: Floats) -> None:
     _scale(points, table[:, CAMERA_SCALE_PERCENT], table[:, _SCALE_ABOUT])
     _deform(points, table)
     _lock(points, table)
-    _drift(_lasted(times[None], table), points, table[:, [CAMERA_DRIFT_X, CAMERA_DRIFT_Y]])
+    _drift(times, points, table)
     _shift(points, table[:, [REGISTRATION_SHIFT_X, REGISTRATION_SHIFT_Y]])
 
 
 # The following write into the copies that `observe` has made, and only for the runs where the
 # effect is on: adding a zero would turn -0.0 into 0.0, and interpolating at the samples could
-# change the last bit.
+# change the last bit. Where none is on they return at once, as most are off in any fit.
 
 
 def _delay(times: Floats, values: Floats, delay: Floats) -> None:
     on = delay != 0.0
+    if not on.any():
+        return
     values[on] = _interpolated(times, values[on], times - delay[on, None])
 
 
@@ -538,6 +540,8 @@ def _shear(poses: Floats, table: Floats) -> None:
     """Turn poses, already turned with the image, by what the tracker takes of the lens's shear."""
     k1, share = table[:, LENS_DISTORTION_K1], table[:, LENS_DISTORTION_TURNED]
     on = (k1 != 0.0) & (share != 0.0)
+    if not on.any():
+        return
     points = poses[on, :, None, :2].copy()
     _rotate(points, table[on, CAMERA_ROTATION_ANGLE], table[on][:, _ROTATION_ABOUT])
     x, y, angle = points[..., 0, 0], points[..., 0, 1], poses[on, :, 2]
@@ -551,6 +555,8 @@ def _err(angles: Floats, table: Floats) -> None:
     """Add what a tracker is off by that depends on how the part is turned."""
     sine, cosine = table[:, ANGLE_ERROR_SINE], table[:, ANGLE_ERROR_COSINE]
     on = (sine != 0.0) | (cosine != 0.0)
+    if not on.any():
+        return
     many = _TIMES[table[on, ANGLE_ERROR_FORM].astype(int), None] * angles[on]
     angles[on] += sine[on, None] * np.sin(many) + cosine[on, None] * np.cos(many)
 
@@ -569,7 +575,8 @@ def _locks(table: Floats) -> Flags:
 
 def _lock(points: Floats, table: Floats) -> None:
     on = _locks(table)
-    points[on] += _locked(points[on], table[on])
+    if on.any():
+        points[on] += _locked(points[on], table[on])
 
 
 def _unlock(points: Floats, table: Floats) -> None:
@@ -599,12 +606,15 @@ def _stretched(table: Floats) -> Flags:
 
 def _deform(points: Floats, table: Floats) -> None:
     on = _stretched(table)
-    points[on] = np.einsum("nij,ntqj->ntqi", _axes(table[on]), points[on])
+    if on.any():
+        points[on] = np.einsum("nij,ntqj->ntqi", _axes(table[on]), points[on])
 
 
 def _lean(poses: Floats, table: Floats) -> None:
     """Turn poses by what the tracker takes of the stretch of the axes."""
     on = _stretched(table) & (table[:, CAMERA_ANISOTROPY_TURNED] != 0.0)
+    if not on.any():
+        return
     cos, sin = np.cos(poses[on, :, 2]), np.sin(poses[on, :, 2])
     axis = np.einsum("nij,ntj->nti", _axes(table[on]), np.stack((cos, sin), axis=-1))
     across, along = cos * axis[..., 1] - sin * axis[..., 0], cos * axis[..., 0] + sin * axis[..., 1]
@@ -618,6 +628,8 @@ def _shift(points: Floats, shift: Floats) -> None:
 
 def _rotate(points: Floats, angle: Floats, about: Floats) -> None:
     on = angle != 0.0
+    if not on.any():
+        return
     cos, sin = np.cos(angle[on])[:, None, None], np.sin(angle[on])[:, None, None]
     middle = about[on, None, None]
     x, y = points[on, ..., 0] - middle[..., 0], points[on, ..., 1] - middle[..., 1]
@@ -626,6 +638,8 @@ def _rotate(points: Floats, angle: Floats, about: Floats) -> None:
 
 def _distort(points: Floats, k1: Floats) -> None:
     on = k1 != 0.0
+    if not on.any():
+        return
     bulge = k1[on, None, None] * np.sum(points[on] ** 2, axis=-1)
     if np.any(1.0 + 3.0 * bulge <= 0.0):
         value = f"k1 r² = {np.nanmin(bulge):.3g}"
@@ -661,10 +675,12 @@ def _lasted(times: Floats, table: Floats) -> Floats:
     )
 
 
-def _drift(lasted: Floats, points: Floats, drift: Floats) -> None:
-    for axis in range(2):
-        on = drift[:, axis] != 0.0
-        points[on, ..., axis] += drift[on, axis, None, None] * lasted[on, :, None]
+def _drift(times: Floats, points: Floats, table: Floats) -> None:
+    for axis, column in enumerate((CAMERA_DRIFT_X, CAMERA_DRIFT_Y)):
+        on = table[:, column] != 0.0
+        if on.any():
+            lasted = _lasted(times[None], table[on])
+            points[on, ..., axis] += table[on, column, None, None] * lasted[..., None]
 
 
 def _interpolated(times: Floats, values: Floats, at: Floats) -> Floats:

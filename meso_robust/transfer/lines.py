@@ -83,13 +83,14 @@ def _invariance(claim: str, premise: Premise, why: str, absorb: Absorb | None = 
     return Line(premise=premise, claim=claim, derivation=file, why=why, absorb=absorb)
 
 
-def _sensing(why: str, absorb: Absorb) -> Line:
+def _sensing(why: str, absorb: Absorb, any_form: bool = False) -> Line:
     return Line(
         premise=Premise.ERRORS_BOUNDED,
         claim="step-1-conditions",
         derivation="derivations/y_translation.py",
         why=why,
         absorb=absorb,
+        any_form=any_form,
     )
 
 
@@ -266,7 +267,9 @@ LINES: Mapping[str, Line] = {
     "camera_anisotropy": _sensing(
         "lengths along one axis are seen too long", inflation.camera_anisotropy
     ),
-    "angle_error": _sensing("the angle is off by how the part is turned", inflation.angle_error),
+    "angle_error": _sensing(
+        "the angle is off by how the part is turned", inflation.angle_error, any_form=True
+    ),
     "pixel_locking": _sensing("places are drawn to the middle of pixels", inflation.pixel_locking),
     "registration_shift": _sensing(
         "the camera's frame stands off the probes'", inflation.registration_shift

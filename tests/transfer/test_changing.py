@@ -177,6 +177,42 @@ def test_a_drift_of_the_probes_bends_and_stretches_their_travel() -> None:
     assert u.probe_position_um == pytest.approx(15.0, abs=0.011)
 
 
+@pytest.mark.parametrize(("period", "stray"), [(500.0, 10.0), (100.0, 31.416)])
+def test_a_screw_out_of_true_lets_a_probe_stray(period: float, stray: float) -> None:
+    """By hand: 3 and 4 um are a wave of 5; from end to end it is 10 um, and its slope 2 pi 5 over the period."""
+    u = real(
+        {
+            "leadscrew_error.x_sine_um": (0.0, 3.0),
+            "leadscrew_error.x_cosine_um": (-4.0, 0.0),
+            "leadscrew_error.y_sine_um": (0.0, 0.0),
+            "leadscrew_error.y_cosine_um": (1.0, 2.0),
+            "leadscrew_error.period_um": (period, 1.1 * period),
+        }
+    ).task.uncertainty
+
+    assert u.probe_position_um == pytest.approx(10.0, abs=0.011)
+    assert u.probe_wander_um == pytest.approx(stray, abs=0.011)
+    assert u.probe_wander_um >= stray
+
+
+@pytest.mark.parametrize("form", [0.0, 1.0, 2.0])
+def test_waves_of_angle_and_place_are_errors_of_a_pose(form: float) -> None:
+    """By hand: 0.3 and 0.4 deg are 0.5; 3 and 4 um along x and 12 along y are 13 in all."""
+    waves = {
+        "angle_error.sine_deg": (0.2, 0.3),
+        "angle_error.cosine_deg": (-0.4, -0.3),
+        "pixel_locking.x_sine_um": (0.0, 3.0),
+        "pixel_locking.x_cosine_um": (0.0, 4.0),
+        "pixel_locking.y_sine_um": (-12.0, 0.0),
+        "pixel_locking.y_cosine_um": (0.0, 0.0),
+        "pixel_locking.pitch_um": (40.0, 41.0),
+    }
+    u = made(waves, held={"angle_error.form": form}).task.uncertainty
+
+    assert u.sensed_orientation_deg == pytest.approx(0.3 + 0.5, abs=0.011)
+    assert u.sensed_position_um == pytest.approx(5.0 + 13.0, abs=0.011)
+
+
 def test_a_post_becomes_a_wall_as_large_as_it_can_be() -> None:
     post = {
         "unmodelled_wall.radius_um": (10.0, 20.0),
