@@ -1,8 +1,8 @@
 """The large form of the policy's tests: ``python -m reports.policy.campaign [--runs 20000] [--out F]``.
 
 Builds the policy of the paper's task, writes ``policy.json``, ``region.svg`` and ``policy.md`` to
-``reports/policy``, and runs it in both engines of the simulator from starts all over its region. With
-``--task F.toml --name N`` that of another task; ``N.md`` is written only.
+``reports/policy``, and runs it in both engines of the simulator and in the foreign plant from starts all over
+its region. With ``--task F.toml --name N`` that of another task; ``N.md`` is written only.
 """
 
 from __future__ import annotations
@@ -11,33 +11,43 @@ import argparse
 import sys
 import time
 from pathlib import Path
+from typing import Literal
 
 import numpy as np
 
 from meso_robust.cli.console import Reporter
 from meso_robust.files import write_all
 from meso_robust.laboratory.engines import Engine
+from meso_robust.laboratory.running import Bench
 from meso_robust.policy.build import make_policy
 from meso_robust.policy.cells import Policy
 from meso_robust.policy.document import policy_document
 from meso_robust.policy.region import sensed_start, tube
+from meso_robust.primitives.setup import setup_of
 from meso_robust.reporting.policy import draw, summary
 from meso_robust.task import load_task
 from meso_robust.tasks import PAPER
+from reports.foreign_plant.running import ForeignBench
 from reports.policy.runs import draw_starts, run_policy
 
+World = Engine | Literal["foreign plant"]
+"""What carries the moves out: an engine of the simulator, or a plant that shares no physics with it."""
 REPORT = Path(__file__).parents[2] / "reports" / "policy"
 
 
-def campaign(policy: Policy, runs: int, engine: Engine, seed: int) -> tuple[bool, str]:
+def campaign(policy: Policy, runs: int, world: World, seed: int) -> tuple[bool, str]:
     """Whether all runs kept the claim, and a line about them."""
     rng = np.random.default_rng(seed)
-    done = run_policy(policy, draw_starts(policy, runs, rng), engine=engine)
+    setup, draws = setup_of(policy.task), draw_starts(policy, runs, rng)
+    if world == "foreign plant":
+        done = run_policy(policy, ForeignBench.of(setup, draws))
+    else:
+        done = run_policy(policy, Bench.of(setup, draws, engine=world))
     away = done.excess / np.array([1e-6, 1e-6, np.pi / 180.0])
-    # a step of the stepper is 2 um, which can take a pose some hundredths of one out of its box
-    kept = done.kept if engine == "events" else bool(done.in_goal.all())
+    # a step of the stepper is 2 um, and tips of the plant are soft: some hundredths of one out of a box
+    kept = done.kept if world == "events" else bool(done.in_goal.all())
     line = (
-        f"{engine}: {int(done.in_goal.sum())} of {runs} runs end in the goal, "
+        f"{world}: {int(done.in_goal.sum())} of {runs} runs end in the goal, "
         f"{int((done.moves <= done.promised).sum())} within the moves that were promised; largest "
         f"distance outside of an answered box {away[0]:.3f} um, {away[1]:.3f} um, {away[2]:.5f} deg"
     )
@@ -71,10 +81,13 @@ def main() -> int:
 def judged(policy: Policy, seconds: float, runs: int, seed: int) -> tuple[str, bool]:
     """A page about a policy that was built in some seconds, and whether all runs kept its claim."""
     slices = tube(policy, sensed_start(policy.task))
-    parts: tuple[tuple[Engine, int], ...] = (("events", runs), ("stepper", runs // 10))
-    found = [campaign(policy, count, engine, seed) for engine, count in parts]
+    tenth = runs // 10
+    parts: tuple[tuple[World, int], ...] = (
+        ("events", runs), ("stepper", tenth), ("foreign plant", tenth)
+    )  # fmt: skip
+    found = [campaign(policy, count, world, seed) for world, count in parts]
     lines = "".join(f"- {line}\n" for _, line in found)
-    text = summary(policy, slices, seconds) + f"\n## In the simulator\n\n{lines}"
+    text = summary(policy, slices, seconds) + f"\n## Carried out\n\n{lines}"
     return text, all(kept for kept, _ in found)
 
 

@@ -10,9 +10,7 @@ import numpy.typing as npt
 
 from meso_robust import units
 from meso_robust.laboratory.draws import Draws, draw, spread
-from meso_robust.laboratory.engines import Engine
 from meso_robust.laboratory.running import (
-    STEP,
     Bench,
     Order,
     PlanRun,
@@ -69,16 +67,9 @@ def draw_starts(policy: Policy, runs: int, rng: np.random.Generator) -> Draws:
     return draws
 
 
-def run_policy(
-    policy: Policy,
-    draws: Draws,
-    *,
-    engine: Engine = "stepper",
-    step: float = STEP,
-) -> PolicyRuns:
-    """Run the policy from every start, through the controller that a laboratory would use."""
-    setup = setup_of(policy.task)
-    bench = Bench.of(setup, draws, engine=engine, step=step)
+def run_policy(policy: Policy, bench: Bench) -> PolicyRuns:
+    """Run the policy from every start of a laboratory's draws, through the controller that one would use."""
+    setup, draws = bench.setup, bench.draws
     answers = _Answers(policy, setup, draws)
     runs = carry_out([answers.orders] * (policy.moves + 1), bench, draws.start)
     ended = np.flatnonzero(~runs.completed)

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from meso_robust.bounds import Interval
+from meso_robust.laboratory.running import Bench
 from meso_robust.policy.cells import Cell, Policy, resting, sensed_poses, true_poses
 from meso_robust.policy.cover import ends_of
 from meso_robust.policy.follow import expected, follows
@@ -76,7 +77,8 @@ def test_the_moves_to_go_fall_whatever_is_sensed(small_policy: Policy) -> None:
 def test_every_start_ends_in_the_goal_in_the_simulator(small_policy: Policy) -> None:
     rng = np.random.default_rng(0)
 
-    runs = run_policy(small_policy, draw_starts(small_policy, 600, rng), engine="events")
+    setup, draws = setup_of(small_policy.task), draw_starts(small_policy, 600, rng)
+    runs = run_policy(small_policy, Bench.of(setup, draws, engine="events"))
 
     assert runs.kept, runs.why
     assert runs.moves.max() == 4
