@@ -267,22 +267,21 @@ def _observed(prepared: Prepared, path: Floats, table: Floats) -> Floats:
     table = _camera(prepared, table)
     if not np.any(table[:, _OBSERVED]):
         return path
-    count, recordings = path.shape[:2]
-    rows = np.broadcast_to(table, (count * recordings, SLOTS)).reshape(count, recordings, SLOTS)
-    seen = path.copy()
-    none = np.zeros((1, path.shape[2], 0, 2))
+    count = len(path)
+    runs = path.reshape(-1, *path.shape[2:])
+    rows = np.broadcast_to(table, (len(runs), SLOTS))
+    times = np.tile(prepared.instants, (count, 1))
+    seen, none = runs.copy(), np.zeros((len(runs), path.shape[2], 0, 2))
 
-    def shown(r: int, which: slice) -> None:
-        tips = np.repeat(none, len(path[which]), axis=0)
-        seen[which, r], _ = observe(
-            prepared.instants[r], path[which, r], tips, rows[which, r], probes_seen_by_camera=False
+    def shown(which: slice) -> None:
+        seen[which], _ = observe(
+            times[which], runs[which], none[which], rows[which], probes_seen_by_camera=False
         )
 
-    for r in range(recordings):
-        try:
-            shown(r, slice(None))
-        except ValueError:  # a part that ran away, to where the lens folds the image over
-            for k in range(count):
-                with suppress(ValueError):  # is shown where it is: as far from what was seen
-                    shown(r, slice(k, k + 1))
-    return seen
+    try:
+        shown(slice(None))
+    except ValueError:  # a part that ran away, to where the lens folds the image over
+        for k in range(len(runs)):
+            with suppress(ValueError):  # is shown where it is: as far from what was seen
+                shown(slice(k, k + 1))
+    return seen.reshape(path.shape)

@@ -380,7 +380,8 @@ def observe(
     Parameters
     ----------
     times
-        (T,) instants of the samples in s, strictly increasing; the drift is nought at t = 0.
+        (T,) instants of the samples in s, strictly increasing, or (N, T) those of each run; the drift is
+        nought at t = 0.
     poses
         (N, T, 3) x, y in m and θ in rad, unwrapped, world frame.
     probes
@@ -408,6 +409,7 @@ def observe(
         rule = f"must be (1, {SLOTS}) or ({runs}, {SLOTS})"
         _refuse("effects_table", f"shape {effects_table.shape}", rule, "use Effects.table")
     table = np.broadcast_to(effects_table, (runs, SLOTS))
+    times = np.broadcast_to(times, (runs, times.shape[-1]))
     _delay(times, poses, table[:, CAMERA_LATENCY_TIME])
     _turn(poses[..., 2], table[:, CAMERA_ROTATION_ANGLE])
     _shear(poses, table)
@@ -496,6 +498,7 @@ def sense(
     count = int(np.floor((times[-1] - times[0]) * sensor.frame_rate + _WHOLE_FRAME)) + 1
     frames = times[0] + np.arange(count) / sensor.frame_rate
     at = np.broadcast_to(frames, (len(poses), count))
+    times = np.broadcast_to(times, (len(poses), times.size))
     seen = _interpolated(times, poses, at)
     tips = _interpolated(times, probes, at)
     sigma = np.array([sensor.position_sigma, sensor.position_sigma, sensor.orientation_sigma])
@@ -528,7 +531,7 @@ def _delay(times: Floats, values: Floats, delay: Floats) -> None:
     on = delay != 0.0
     if not on.any():
         return
-    values[on] = _interpolated(times, values[on], times - delay[on, None])
+    values[on] = _interpolated(times[on], values[on], times[on] - delay[on, None])
 
 
 def _turn(angles: Floats, turn: Floats) -> None:
@@ -679,19 +682,22 @@ def _drift(times: Floats, points: Floats, table: Floats) -> None:
     for axis, column in enumerate((CAMERA_DRIFT_X, CAMERA_DRIFT_Y)):
         on = table[:, column] != 0.0
         if on.any():
-            lasted = _lasted(times[None], table[on])
+            lasted = _lasted(times[on], table[on])
             points[on, ..., axis] += table[on, column, None, None] * lasted[..., None]
 
 
 def _interpolated(times: Floats, values: Floats, at: Floats) -> Floats:
-    """Values (N, T, ...) at the instants (N, F), linear in time, held before and after."""
-    last = max(len(times) - 2, 0)
-    before = np.clip(np.searchsorted(times, at, side="right") - 1, 0, last)
-    after = np.minimum(before + 1, len(times) - 1)
-    span = np.where(after > before, times[after] - times[before], 1.0)
-    share = np.clip((at - times[before]) / span, 0.0, 1.0)
-    share = share.reshape(share.shape + (1,) * (values.ndim - 2))
+    """Values (N, T, ...) of the times (N, T) at the instants (N, F), linear in time, held before and after."""
+    count = times.shape[1]
+    passed = [
+        np.searchsorted(own, asked, side="right") for own, asked in zip(times, at, strict=True)
+    ]
+    before = np.clip(np.array(passed, dtype=np.int64).reshape(at.shape) - 1, 0, max(count - 2, 0))
+    after = np.minimum(before + 1, count - 1)
     runs = np.arange(len(values))[:, None]
+    span = np.where(after > before, times[runs, after] - times[runs, before], 1.0)
+    share = np.clip((at - times[runs, before]) / span, 0.0, 1.0)
+    share = share.reshape(share.shape + (1,) * (values.ndim - 2))
     start, end = values[runs, before], values[runs, after]
     return np.where(share == 1.0, end, start + share * (end - start))
 
@@ -710,16 +716,22 @@ def _noise(sensor: Sensor, shape: tuple[int, ...], rng: np.random.Generator) -> 
 def _checked(times: Floats, poses: Floats, probes: Floats) -> tuple[Floats, Floats, Floats]:
     """Copies as float64, after a check of the shapes and the clock."""
     times, poses, probes = (np.array(a, dtype=np.float64) for a in (times, poses, probes))
-    if times.ndim != 1 or times.size == 0:
-        _refuse("times", f"shape {times.shape}", "must be (T,) with T >= 1", "reshape it")
-    if poses.ndim != 3 or poses.shape[1:] != (times.size, 3):
-        rule = f"must be (N, {times.size}, 3), as times has {times.size} instants"
+    if (
+        times.ndim not in (1, 2)
+        or times.size == 0
+        or (times.ndim == 2 and len(times) != len(poses))
+    ):
+        rule = "must be (T,) with T >= 1, or (N, T) with the instants of each run"
+        _refuse("times", f"shape {times.shape}", rule, "reshape it")
+    if poses.ndim != 3 or poses.shape[1:] != (times.shape[-1], 3):
+        rule = f"must be (N, {times.shape[-1]}, 3), as times has {times.shape[-1]} instants"
         _refuse("poses", f"shape {poses.shape}", rule, "reshape it")
     if probes.ndim != 4 or probes.shape[:2] != poses.shape[:2] or probes.shape[3] != 2:
-        rule = f"must be ({len(poses)}, {times.size}, P, 2), as poses has that many runs"
+        rule = f"must be ({len(poses)}, {times.shape[-1]}, P, 2), as poses has that many runs"
         _refuse("probes", f"shape {probes.shape}", rule, "reshape it")
     if not (np.all(np.isfinite(times)) and np.all(np.diff(times) > 0.0)):
-        _refuse("times", f"{times[0]} … {times[-1]} s", "must be finite and increase", "sort it")
+        shown = f"{times.flat[0]} … {times.flat[-1]} s"
+        _refuse("times", shown, "must be finite and increase", "sort it")
     return times, poses, probes
 
 

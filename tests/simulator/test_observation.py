@@ -274,6 +274,19 @@ def test_latency_on_a_linear_path_is_a_shift_by_speed_times_delay() -> None:
     assert np.array_equal(tips[0, :, 0], out[0, :, :2])
 
 
+def test_runs_with_instants_of_their_own_are_seen_as_each_by_itself() -> None:
+    poses, probes = motion()
+    times = np.array([TIMES, 1.5 * TIMES + 0.1, TIMES**3])
+    values = {**ON, "camera_latency": {"time_ms": np.array([60.0, 0.0, -170.0])}}
+    table = Effects(values).table
+    together = observe(times, poses, probes, table, probes_seen_by_camera=True)
+    for k in range(3):
+        one = slice(k, k + 1)
+        alone = observe(times[k], poses[one], probes[one], table[one], probes_seen_by_camera=True)
+        assert same_bits(together[0][one], alone[0])
+        assert same_bits(together[1][one], alone[1])
+
+
 def test_latency_interpolates_between_uneven_samples_run_by_run() -> None:
     times = np.array([0.0, 1.0, 4.0])
     poses = np.zeros((3, 3, 3))
