@@ -337,13 +337,13 @@ def probe_drift(ranges: Ranges, budget: Budget) -> Absorbed:
 
 
 def leadscrew_error(ranges: Ranges, _: Budget) -> Absorbed:
-    """A probe is off by √(s² + c²) of each axis where it starts, and strays by twice that.
+    """A probe is off its straight path by √(s² + c²) of each axis, with a slope of 2π √(s² + c²) / p at most.
 
-    Along an axis it does so with a slope of 2π √(s² + c²) / p at most.
+    One that rests is off by as much.
     """
     waves = [_distance(ranges, f"{axis}_sine_um", f"{axis}_cosine_um") for axis in "xy"]
     steepest = 2.0 * math.pi * 100.0 / min(ranges["period_um"])
-    far, stray = rounded_up(max(waves)), rounded_up(max(waves) * max(2.0, steepest))
+    far, stray = rounded_up(max(waves)), rounded_up(max(waves) * max(1.0, steepest))
     return Absorbed(
         said=f"probe position ± {far:g} µm more, and a path that strays by {stray:g} µm: once a turn of the screw",
         probe_um=far,
