@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -13,7 +13,6 @@ from meso_robust.diagnosis.judge import (
     FOLD_SHARE,
     MEMBER_SHARE,
     NAMED,
-    PARTIAL,
     SURE,
     Judge,
     Names,
@@ -121,21 +120,32 @@ def _answer(
         rivals += [
             one for one in pool if one.effects not in left and equal(judge, chosen, one, seed)
         ]
-        return chosen, tuple(rivals), True
+        return _sure(judge, naming, chosen, rivals, True, seed)
     chosen, everywhere = _holding(judge, naming, pool, seed)
     if chosen is None:
         return None, (), True
     if len(judge.bench.fold) < _FEW and pool[0].score - chosen.score > EQUAL_NATS:
         everywhere = False
     rivals = [one for one in pool if equal(judge, chosen, one, seed)]
-    # what all of them share is sure; which of the rest is not, and stays a remainder
+    return _sure(judge, naming, chosen, rivals, everywhere, seed)
+
+
+def _sure(
+    judge: Judge,
+    naming: Naming,
+    chosen: Candidate,
+    rivals: Sequence[Candidate],
+    everywhere: bool,
+    seed: int,
+) -> _Answer:
+    """The answer, or what is sure of it: what all sets share that explain as much, which of the rest is open."""
     others = [one for one in rivals if not another_law(chosen, one)]
     core = set(chosen.effects).intersection(*(one.effects for one in others))
     common = _listed(naming, tuple(sorted(core))) if others else None
-    if common is not None:
+    if common is not None and common is not chosen:
         judge.with_part(chosen, common.effects)
-        if judge.share(common.effects) >= PARTIAL and judge.carries(common.effects):
-            return common, (), False
+        if judge.explained(common.effects, seed).tells:
+            return common, (chosen, *others), False
     return chosen, tuple(rivals), everywhere
 
 
