@@ -45,6 +45,7 @@ def force_below_cap(scene: Scene, given: Given, passage: Passage) -> tuple[Requi
         raise Refused(named(Must.FORCE_BELOW_CAP), "proved", f"not of a {scene.rule.action}")
     if scene.rule.action != "tilt":
         force *= (1 + given.friction[1] * given.friction[1]).sqrt()
+    force *= 1 + _largest(scene.box["bend"])  # faster, where a tip strays along its line
     return capped(given.drag * given.speed * force, given.largest_force)
 
 

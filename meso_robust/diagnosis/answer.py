@@ -281,8 +281,8 @@ def _lacking(grade: Grade, explained: Explained) -> str:
     """Why a set that explains a part is not named."""
     own = set(grade.chosen.effects) if grade.chosen else set()
     if len(grade.alike) > 1 and all(own < set(one.effects) for one in grade.alike):
-        others = (" + ".join(n for n in one.effects if n not in own) for one in grade.alike)
-        return f"what it leaves {' or '.join(others)} explains, which is open"
+        rest = [" + ".join(n for n in one.effects if n not in own) for one in grade.alike]
+        return f"what it leaves {' or '.join(rest)} explains, which is open"
     if grade.alike:
         return f"but so does {_or(grade.alike)}"
     if grade.unsure:

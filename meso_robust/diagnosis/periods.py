@@ -18,6 +18,7 @@ MOST = 3
 _FINE = 4.0  # waves to a period more over the whole field
 _LONGEST = 0.7  # of the field
 _SHORTEST = 0.012  # of the part's characteristic length
+_FRAMES = 2.5  # ways from frame to frame, of which a wave is no shorter
 _ENDS = 0.03  # of the way of the part, which are left out at both ends of a push
 _FEWEST = 12  # frames of a push
 _SMOOTH = 4  # numbers of a cubic
@@ -60,7 +61,11 @@ def periods(prepared: Prepared, places: Floats) -> list[float]:
     field = float(np.max(np.ptp(every, axis=0)))
     if not field > 0.0:
         return []
-    waves = np.arange(1.0 / _LONGEST, field / (_SHORTEST * prepared.length), 1.0 / _FINE) / field
+    steps = np.concatenate([np.hypot(*np.diff(place, axis=0).T) for _, place, _ in parts])
+    shortest = max(_SHORTEST * prepared.length, _FRAMES * float(np.median(steps)))
+    waves = np.arange(1.0 / _LONGEST, field / shortest, 1.0 / _FINE) / field
+    if not waves.size:
+        return []
     power = np.zeros(len(waves))
     for axis in range(2):
         power += _gains(parts, axis, waves)

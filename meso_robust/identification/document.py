@@ -12,6 +12,7 @@ from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, model_validator
 from meso_robust.identification.models import MODELS, Model, with_effects
 from meso_robust.recordings import Rectangle
 from meso_robust.simulator.catalogue import CATALOGUE
+from meso_robust.simulator.effects import Effects
 from meso_robust.toml_files import checked, read_toml
 from meso_robust.types import Floats
 
@@ -236,6 +237,8 @@ class ModelDocument(_Section):
             return self
         given = {*self.parameters, *self.held}
         _check_effects(effects, given)
+        shown = {key: one.value for key, one in self.parameters.items()} | self.held
+        Effects(_by_effect(effects, shown))  # refuses what no effect can be
         known = set(MODELS[base](_outline(self.part)).keys)
         plain = {key for key in given if "." not in key}
         if known != plain:

@@ -16,6 +16,7 @@ from meso_robust.identification.models.model import Model, Physics
 from meso_robust.identification.prepared import Prepared
 from meso_robust.identification.touching import freed
 from meso_robust.simulator import Outcome, Push, simulate
+from meso_robust.simulator.actuation import true_starts
 from meso_robust.simulator.geometry import outlines, radii, reference_of_tracked
 from meso_robust.simulator.observation import (
     CAMERA_LATENCY_TIME,
@@ -190,7 +191,7 @@ def _predicted(
     if np.any(offsets):
         ways += _drifting(prepared, offsets)
     poses = starts.reshape(-1, 3).copy()
-    shifts, caught = _freed(prepared, physics, poses, ways[:, 0])
+    shifts, caught = _freed(prepared, physics, poses, true_starts(physics.effects.table, ways))
     poses[:, :2] += shifts
     poses[caught, :2] = prepared.parked + _AWAY
     push = Push(

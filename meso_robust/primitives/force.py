@@ -71,8 +71,9 @@ def _below_cap(over_drag: Interval, setup: Setup) -> tuple[Obligation, ...]:
     cap, drag, speed = setup.largest_force, setup.drag, setup.speed
     if cap is None or drag is None or speed is None:
         return ()
-    # the travel takes as long as commanded, so that a longer one is faster
-    force = over_drag * drag * speed * (ONE + setup.uncertainty.travel_scale)
+    # the travel takes as long as commanded, so that a longer one is faster, and so is one that strays along its line
+    u = setup.uncertainty
+    force = over_drag * drag * speed * (ONE + u.travel_scale) * (ONE + _largest(bend_of(u)))
     most = Interval(0.0, force.hi)
     name = about(ObligationId.FORCE_BELOW_CAP)
     return (require_order(name, Inequality.FORCE, cap - most, {"force": most}),)

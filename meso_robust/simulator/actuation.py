@@ -71,7 +71,7 @@ ACTUATION = Stage(
         ),
         Effect(
             name="leadscrew_error",
-            equation="true w = w + s sin(2π w/p) + c cos(2π w/p) on each axis w",
+            equation="true w = w + s sin(2π w/p) + c cos(2π w/p) on each axis w of the mount",
             source="once a turn of a lead screw; A. H. Slocum, Precision Machine Design, 1992",
             parameters=(
                 *(
@@ -82,7 +82,7 @@ ACTUATION = Stage(
                     for wave in ("sine", "cosine")
                 ),
                 Parameter(
-                    key="period_um", unit="µm", to_si=_UM, default=500.0 * _UM, low=1.0 * _UM, size=False,
+                    key="period_um", unit="µm", to_si=_UM, default=500.0 * _UM, low=0.1 * _UM, size=False,
                     meaning="p: travel of one turn of the screw",
                 ),
             ),
@@ -105,6 +105,7 @@ _SCREW = ACTUATION.slot("leadscrew_error", "x_sine_um")
 _SCREW_PERIOD = ACTUATION.slot("leadscrew_error", "period_um")
 DRIVE_SLOTS = (_WIDTH, _DRIFT_X, _DRIFT_Y, _SCREW, _SCREW + 1, _SCREW + 2, _SCREW + 3)
 """Columns of effects between the command and the driven position of a probe."""
+_APART = 2e-6  # m, up to which tips of one mount are logged as moving otherwise
 
 
 @sealed
@@ -152,11 +153,65 @@ def drifted(effects: Floats, axis: int, time: float) -> float:
     return float(effects[_DRIFT_X if axis == 0 else _DRIFT_Y] * lasted)
 
 
-@sealed
-def screwed(effects: Floats, axis: int, place: float) -> float:
-    """Displacement of the mount by the screw of an axis, whose command is a place in m; m."""
+def _screwed(effects: Floats, axis: int, place: float) -> float:
+    """Displacement of a mount by the screw of an axis, whose command is a place in m; m."""
     sine, cosine = effects[_SCREW + 2 * axis], effects[_SCREW + 2 * axis + 1]
     if sine == 0.0 and cosine == 0.0:
         return 0.0
     turned = 2.0 * np.pi * place / effects[_SCREW_PERIOD]
     return float(sine * np.sin(turned) + cosine * np.cos(turned))
+
+
+def _mount_of(waypoints: Floats, probe: int) -> int:
+    """The first probe that is carried by the mount of a probe: they move alike.
+
+    Parameters
+    ----------
+    waypoints
+        (W, P, 2) or more commands of the probes at the ends of legs, m.
+    probe
+        Its number.
+    """
+    for first in range(probe):
+        alike = True
+        for leg in range(waypoints.shape[0]):
+            for axis in range(2):
+                own = waypoints[leg, probe, axis] - waypoints[0, probe, axis]
+                other = waypoints[leg, first, axis] - waypoints[0, first, axis]
+                alike &= abs(own - other) <= _APART
+        if alike:
+            return first
+    return probe
+
+
+screwed, mount_of = sealed(_screwed), sealed(_mount_of)
+
+
+def true_starts(table: Floats, waypoints: Floats) -> Floats:
+    """Where the tips are at the start, to which the screws of the mounts take them from the command.
+
+    Parameters
+    ----------
+    table
+        (1|N, SLOTS) values of the effects.
+    waypoints
+        (1|N, W, P, 2) commands of the probes, m.
+
+    Returns
+    -------
+    (1|N, P, 2)
+        World frame, m.
+    """
+    on = np.any(table[:, _SCREW : _SCREW + 4] != 0.0, axis=1)
+    if not on.any():
+        return np.asarray(waypoints[:, 0])
+    count = max(len(table), len(waypoints))
+    rows = np.broadcast_to(table, (count, table.shape[1]))
+    ways = np.broadcast_to(waypoints, (count, *waypoints.shape[1:]))
+    starts = ways[:, 0].copy()
+    for run in np.flatnonzero(np.broadcast_to(on, count)):
+        for probe in range(starts.shape[1]):
+            place = ways[run, 0, _mount_of(ways[run], probe)]
+            for axis in range(2):
+                starts[run, probe, axis] += _screwed(rows[run], axis, place[axis])
+    return np.asarray(starts)

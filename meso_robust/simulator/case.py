@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from meso_robust.kernels import maker, sealed
-from meso_robust.simulator.actuation import COMPLIANCE, DRIVE_SLOTS
+from meso_robust.simulator.actuation import COMPLIANCE, DRIVE_SLOTS, mount_of, screwed
 from meso_robust.simulator.environment import FORCE_SLOTS
 from meso_robust.simulator.residual import RESIDUAL_SLOTS
 from meso_robust.simulator.scene import Scene
@@ -68,6 +68,15 @@ class State(NamedTuple):
     before, in the last three columns), wrench of the stage, last twist, last pose."""
 
 
+@sealed
+def _any(effects: Floats, slots: tuple[int, ...]) -> bool:
+    """Whether one of the columns is not zero."""
+    on = False
+    for slot in slots:
+        on |= effects[slot] != 0.0
+    return on
+
+
 @maker
 def new_state(case: Case) -> State:
     """State at the start of a run."""
@@ -77,22 +86,19 @@ def new_state(case: Case) -> State:
         np.zeros((case.points.shape[0], DRY)),
         np.zeros((8, 6)),
     )
+    driven = _any(case.effects, DRIVE_SLOTS)
     for p in range(case.waypoints.shape[1]):
+        mount = mount_of(case.waypoints, p) if driven else p
+        state.obstacles[p, OBSTACLES.mount] = mount
         for a in range(2):
+            place = case.waypoints[0, mount, a]
             state.obstacles[p, OBSTACLES.x + a] = case.waypoints[0, p, a]
+            if driven:
+                state.obstacles[p, OBSTACLES.x + a] += screwed(case.effects, a, place)
             state.obstacles[p, OBSTACLES.played_x + a] = case.waypoints[0, p, a]
     for k in range(6):
         state.space[FILM_NOW, k] = case.law[FILM + k]
     return state
-
-
-@sealed
-def _any(effects: Floats, slots: tuple[int, ...]) -> bool:
-    """Whether one of the columns is not zero."""
-    on = False
-    for slot in slots:
-        on |= effects[slot] != 0.0
-    return on
 
 
 class Kind(NamedTuple):

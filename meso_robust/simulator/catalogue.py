@@ -12,7 +12,7 @@ from meso_robust.simulator.environment import ENVIRONMENT
 from meso_robust.simulator.geometry import GEOMETRY
 from meso_robust.simulator.observation import OBSERVATION
 from meso_robust.simulator.residual import RESIDUAL
-from meso_robust.simulator.stage import SLOTS, Effect, Parameter, Stage
+from meso_robust.simulator.stage import FORM, SLOTS, Effect, Parameter, Stage
 from meso_robust.simulator.support import SUPPORT
 from meso_robust.simulator.touch import CONTACT
 from meso_robust.types import Floats
@@ -219,6 +219,9 @@ def _check(effect: Effect, parameter: Parameter, value: Floats) -> None:
         shown = f"{parameter.shown(wrong.flat[0])}"
         rule = f"must be finite and within {low:g} … {high:g}"
         _refuse(f"effects.{effect.name}.{parameter.key}", shown, rule, "change it")
+    if parameter.key == FORM and np.any(value % 1.0 != 0.0):
+        shown = f"{value[value % 1.0 != 0.0].flat[0]}"
+        _refuse(f"effects.{effect.name}.{FORM}", shown, "must be a whole number", parameter.meaning)
 
 
 def _refuse(argument: str, value: str, rule: str, advice: str) -> NoReturn:

@@ -495,6 +495,8 @@ def sense(
         If a shape is wrong or the clock does not go on.
     """
     times, poses, probes = _checked(times, poses, probes)
+    if times.ndim != 1:
+        _refuse("times", f"shape {times.shape}", "must be (T,)", "sense each run by itself")
     count = int(np.floor((times[-1] - times[0]) * sensor.frame_rate + _WHOLE_FRAME)) + 1
     frames = times[0] + np.arange(count) / sensor.frame_rate
     at = np.broadcast_to(frames, (len(poses), count))
@@ -583,7 +585,7 @@ def _lock(points: Floats, table: Floats) -> None:
 
 
 def _unlock(points: Floats, table: Floats) -> None:
-    """The inverse of `_lock`, by a fixed point: what is drawn by less than a pixel stays in order."""
+    """The inverse of `_lock`, by a fixed point: waves that are less steep than 1 keep points in order."""
     on = _locks(table)
     free = points[on].copy()
     for _ in range(_ROUNDS):

@@ -8,6 +8,7 @@ from typing import Literal
 import numpy as np
 import numpy.typing as npt
 
+from meso_robust.simulator.actuation import true_starts
 from meso_robust.simulator.checks import (
     START_DEPTH,
     check_arrays,
@@ -177,7 +178,7 @@ class Push:
         check_start(
             self.poses,
             self.vertices,
-            self.waypoints[:, 0],
+            true_starts(self.effects.table, self.waypoints),
             self.shapes,
             self.radii_of_tips,
             self.fixture,

@@ -127,6 +127,16 @@ def _start_leg(case: Case, state: State, leg: int) -> None:
             state.obstacles[p, OBSTACLES.friction] = case.waypoints[leg, p, 2]
 
 
+@sealed
+def _commanded(case: Case, leg: int, p: int, within: bool, share: float) -> tuple[float, float]:
+    """Command of a probe at a share of a leg, or at its end, m."""
+    before, after = case.waypoints[leg, p], case.waypoints[leg + 1, p]
+    if not within:
+        return after[0], after[1]
+    x = before[0] + (after[0] - before[0]) * share
+    return x, before[1] + (after[1] - before[1]) * share
+
+
 @part
 def _drive(case: Case, driven: bool, state: State, leg: int, step: int, n: int, dt: float) -> float:
     """Write the displacements of the tips in the next step; return the unit of length."""
@@ -136,16 +146,14 @@ def _drive(case: Case, driven: bool, state: State, leg: int, step: int, n: int, 
     time = case.legs[leg, 0] - case.legs[0, 0] + dt * (step + 1)
     for p in range(case.waypoints.shape[1]):
         length = 0.0
-        before, after = case.waypoints[leg, p], case.waypoints[leg + 1, p]
-        x, y = after[0], after[1]
-        if step + 1 < n:
-            x = before[0] + (after[0] - before[0]) * share
-            y = before[1] + (after[1] - before[1]) * share
+        x, y = _commanded(case, leg, p, step + 1 < n, share)
         if driven:
+            mount = int(obstacles[p, OBSTACLES.mount])
+            mount_x, mount_y = _commanded(case, leg, mount, step + 1 < n, share)
             played = obstacles[p, OBSTACLES.played_x : OBSTACLES.played_x + 2]
             drive(case.effects, x, y, played)
-            x = played[0] + drifted(case.effects, 0, time) + screwed(case.effects, 0, x)
-            y = played[1] + drifted(case.effects, 1, time) + screwed(case.effects, 1, y)
+            x = played[0] + drifted(case.effects, 0, time) + screwed(case.effects, 0, mount_x)
+            y = played[1] + drifted(case.effects, 1, time) + screwed(case.effects, 1, mount_y)
         for a in range(2):
             move = (x if a == 0 else y) - obstacles[p, OBSTACLES.x + a]
             obstacles[p, OBSTACLES.move_x + a] = move

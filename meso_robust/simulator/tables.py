@@ -107,9 +107,11 @@ class _Obstacles(NamedTuple):
     from_x: int = 12
     """Of a probe: where its tip was at the start of the last step."""
     from_y: int = 13
+    mount: int = 14
+    """Of a probe: the first one that moves as it does, as both are carried by one mount."""
 
 
-OBSTACLES, OBSTACLE_COLUMNS = _Obstacles(), 14
+OBSTACLES, OBSTACLE_COLUMNS = _Obstacles(), 15
 
 
 class _Part(NamedTuple):

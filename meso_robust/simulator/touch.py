@@ -90,7 +90,7 @@ CONTACT = Stage(
             forms=("steady", "slows down, as exp(r t₀ ln(1 + t/t₀))"),
             parameters=(
                 Parameter(
-                    key="rate_percent_s", unit="%/s", to_si=0.01, low=-5.0, high=5.0,
+                    key="rate_percent_s", unit="%/s", to_si=0.01, low=-1.0, high=1.0,
                     meaning="r: relative growth of the friction coefficient since the start of a recording",
                 ),
                 Parameter(

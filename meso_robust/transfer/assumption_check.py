@@ -240,6 +240,8 @@ def _of_effect(document: ModelDocument, effect: str, budget: Budget) -> Standing
     if line.even and not budget.slender:
         return _broken(effect, line, ", and the film is not even but for it")
     found = line.absorb(ranges, budget)
+    if found is None:
+        return _broken(effect, line, ", and of this size nothing bounds it")
     if budget.capped and found.more_drag:
         return _broken(
             effect, line, ", and the cap on contact forces is by the drag of the film alone"
@@ -271,7 +273,10 @@ def _ranges(document: ModelDocument, effect: str) -> Ranges:
     for one in CATALOGUE[effect].parameters:
         key = f"{effect}.{one.key}"
         fitted, held = document.parameters.get(key), document.held.get(key, one.shown(one.default))
-        found[one.key] = (held, held) if fitted is None else ends(fitted)
+        low, high = (held, held) if fitted is None else ends(fitted)
+        # an interval may reach where no value can be
+        least, most = one.shown(one.low), one.shown(one.high)
+        found[one.key] = min(max(low, least), most), min(max(high, least), most)
     return found
 
 

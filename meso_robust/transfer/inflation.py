@@ -107,7 +107,9 @@ class Absorbed:
     """What the laboratory must keep to for the bound to hold."""
 
 
-Absorb = Callable[[Ranges, Budget], Absorbed]
+Absorb = Callable[[Ranges, Budget], Absorbed | None]
+"""None: of that size nothing bounds it."""
+_STEEPEST = 0.5  # slope of a wave from which on it is taken for a tip that may go back
 
 
 def _proportions(budget: Budget) -> str:
@@ -336,18 +338,24 @@ def probe_drift(ranges: Ranges, budget: Budget) -> Absorbed:
     )
 
 
-def leadscrew_error(ranges: Ranges, _: Budget) -> Absorbed:
+def leadscrew_error(ranges: Ranges, _: Budget) -> Absorbed | None:
     """A probe is off its straight path by √(s² + c²) of each axis, with a slope of 2π √(s² + c²) / p at most.
 
-    One that rests is off by as much.
+    As a share of the way that the tip has really gone the slope is larger by what it may fall short of the command.
+    One that rests is off by as much. Where the slope may reach 1 the tip may go back, and no path is bounded.
     """
-    waves = [_distance(ranges, f"{axis}_sine_um", f"{axis}_cosine_um") for axis in "xy"]
-    steepest = 2.0 * math.pi * 100.0 / min(ranges["period_um"])
-    far, stray = rounded_up(max(waves)), rounded_up(max(waves) * max(1.0, steepest))
+    far = max(_waves(ranges))
+    shortest = min(ranges["period_um"])
+    slope = 2.0 * math.pi * far / shortest if shortest > 0.0 else math.inf
+    if slope >= _STEEPEST:
+        return None
+    off, stray = rounded_up(far), rounded_up(max(far, 100.0 * slope / (1.0 - slope)))
     return Absorbed(
-        said=f"probe position ± {far:g} µm more, and a path that strays by {stray:g} µm: once a turn of the screw",
-        probe_um=far,
+        said=f"probe position ± {off:g} µm more, and a path that strays by {off:g} µm, by {stray:g} µm in 100 µm "
+        "of travel at its steepest",
+        probe_um=off,
         wander_um=stray,
+        condition="both tips of a probe are carried by one mount, and the screws of all are within these",
     )
 
 
@@ -444,7 +452,7 @@ def angle_error(ranges: Ranges, _: Budget) -> Absorbed:
 
 def pixel_locking(ranges: Ranges, _: Budget) -> Absorbed:
     """√(s² + c²) of each coordinate, together."""
-    far = rounded_up(_wave(ranges))
+    far = rounded_up(math.hypot(*_waves(ranges)))
     return Absorbed(said=f"sensed position ± {far:g} µm more: √(s² + c²)", sensed_um=far)
 
 
@@ -465,10 +473,10 @@ def camera_drift(ranges: Ranges, budget: Budget) -> Absorbed:
     )
 
 
-def _wave(ranges: Ranges) -> float:
-    """Largest displacement by a wave of its own on each axis; um."""
+def _waves(ranges: Ranges) -> tuple[float, float]:
+    """Largest displacements along x and along y by a wave on each axis; um."""
     x, y = (_distance(ranges, f"{axis}_sine_um", f"{axis}_cosine_um") for axis in "xy")
-    return math.hypot(x, y) * _ROUNDING
+    return x * _ROUNDING, y * _ROUNDING
 
 
 def _from_origin(ranges: Ranges) -> float:

@@ -83,7 +83,9 @@ def _invariance(claim: str, premise: Premise, why: str, absorb: Absorb | None = 
     return Line(premise=premise, claim=claim, derivation=file, why=why, absorb=absorb)
 
 
-def _sensing(why: str, absorb: Absorb, any_form: bool = False) -> Line:
+def _sensing(
+    why: str, absorb: Absorb, *, any_form: bool = False, placed: tuple[str, ...] = ()
+) -> Line:
     return Line(
         premise=Premise.ERRORS_BOUNDED,
         claim="step-1-conditions",
@@ -91,6 +93,7 @@ def _sensing(why: str, absorb: Absorb, any_form: bool = False) -> Line:
         why=why,
         absorb=absorb,
         any_form=any_form,
+        placed=placed,
     )
 
 
@@ -248,8 +251,9 @@ LINES: Mapping[str, Line] = {
         premise=Premise.TRAVEL_STRAIGHT,
         claim="closed-form-motion",
         derivation="derivations/sticking_motion.py",
-        why="a probe's error goes back and forth during a move: it does not travel along a line",
+        why="a probe's error goes back and forth during a move: it does not travel along a line as commanded",
         absorb=inflation.leadscrew_error,
+        placed=("period_um",),
     ),
     "probe_drift": Line(
         premise=Premise.TRAVEL_STRAIGHT,
@@ -270,7 +274,11 @@ LINES: Mapping[str, Line] = {
     "angle_error": _sensing(
         "the angle is off by how the part is turned", inflation.angle_error, any_form=True
     ),
-    "pixel_locking": _sensing("places are drawn to the middle of pixels", inflation.pixel_locking),
+    "pixel_locking": _sensing(
+        "places are drawn to the middle of pixels",
+        inflation.pixel_locking,
+        placed=("pitch_um",),
+    ),
     "registration_shift": _sensing(
         "the camera's frame stands off the probes'", inflation.registration_shift
     ),

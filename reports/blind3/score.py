@@ -155,7 +155,9 @@ class Scored:
 def accepted(family: str) -> frozenset[str]:
     """Names of the catalogue that are right for a family."""
     known = KNOWN.get(family)
-    return frozenset({family, *known.alike}) if known else frozenset()
+    if known is None:  # outside when it was drawn, and learnt since
+        return frozenset(name for name, law in beyond.LEARNT.items() if law is OUTSIDE.get(family))
+    return frozenset({family, *known.alike})
 
 
 def scored_cases(answers: Iterable[Values]) -> list[Scored]:

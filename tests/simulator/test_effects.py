@@ -27,7 +27,17 @@ from meso_robust.simulator import (
 from meso_robust.simulator.catalogue import CATALOGUE, STAGES, stage_of
 from meso_robust.simulator.outline import quadrature
 from meso_robust.simulator.stage import SLOTS
+from meso_robust.simulator.tables import (
+    CONTACT_COLUMNS,
+    CONTACTS,
+    MARK_COLUMNS,
+    MARKS,
+    OBSTACLE_COLUMNS,
+    OBSTACLES,
+)
+from meso_robust.simulator.touch import friction_of_contacts
 from reports.simulator.effects_report import page
+from tests.entry import entry
 from tests.simulator.problems import HALF_LONG, HALF_SHORT, MU, RHO, UM, rectangle
 
 F = npt.NDArray[np.float64]
@@ -73,7 +83,7 @@ ON: Values = {
     "friction_spread": {"change": -0.8, "tip": 0.0},
     "sticky_spot": {"ratio": 2.0, "x_um": 300.0, "y_um": -200.0},
     "point_pull": {"pull_um_s": 8.0, "x_um": 400.0, "y_um": 300.0},
-    "friction_drift": {"rate_percent_s": -400.0},
+    "friction_drift": {"rate_percent_s": -100.0},
     "leadscrew_error": {"x_sine_um": 3.0, "y_cosine_um": -2.0, "period_um": 90.0},
     "inertia": {"time_ms": 40.0},
     "part_geometry": {"x_um": 15.0, "y_um": -6.0},
@@ -457,7 +467,7 @@ def test_friction_of_a_tip_is_that_of_its_tip_only() -> None:
 
 @pytest.mark.parametrize(("form", "lasted"), [(0.0, 10.0), (1.0, 2.0 * np.log1p(5.0))])
 def test_friction_that_drifts_is_what_has_become_of_it(form: float, lasted: float) -> None:
-    """A short push after 10 s, in which 5 % are lost a second; a wall of the stage keeps its friction."""
+    """A short push after 10 s, in which 5 % are lost a second."""
     x, y = 500 * UM, -HALF_SHORT - 16 * UM
     way = np.array([[[[x, y]], [[x, y]], [[x + 80 * UM, y + 60 * UM]]]])
     given: dict[str, Any] = {"waypoints": way, "times": np.array([[0.0, 10.0, 10.001]])}
@@ -469,6 +479,18 @@ def test_friction_that_drifts_is_what_has_become_of_it(form: float, lasted: floa
         2e-9,
     )
     assert np.abs(found - simulate(lifted({}, **given)).poses).max() > 1e-7
+
+
+def test_friction_of_a_wall_does_not_drift() -> None:
+    """The contacts of two probes and of what is no probe, after 2 s."""
+    effects = Effects({"friction_drift": {"rate_percent_s": -50.0}}).table[0]
+    obstacles = np.zeros((3, OBSTACLE_COLUMNS))
+    obstacles[:, OBSTACLES.friction] = 0.2, 0.3, 0.4
+    marks = np.zeros((4, MARK_COLUMNS), dtype=np.int64)
+    marks[:3, MARKS.who] = 0, 1, 2
+    contacts = np.zeros((3, CONTACT_COLUMNS))
+    entry(friction_of_contacts)(effects, 2.0, 2, obstacles, contacts, marks, 3)
+    np.testing.assert_allclose(contacts[:, CONTACTS.mu], [0.2 / np.e, 0.3 / np.e, 0.4], rtol=1e-14)
 
 
 # --- inertia ------------------------------------------------------------------------------------------
@@ -579,6 +601,48 @@ def test_a_screw_moves_the_tip_where_its_wave_takes_it() -> None:
     want = simulate(replace(lifted({}), waypoints=push.waypoints + off)).poses
     close(simulate(push).poses, want, 0.05 * UM)
     assert np.abs(want - simulate(lifted({})).poses).max() > 1e-7
+
+
+def test_tips_of_one_mount_are_moved_alike_and_a_resting_one_by_its_own_screw() -> None:
+    """A pair that goes up and a third tip that rests: from the start on, wherever the wave is."""
+    x, y = np.array([-300.0, 250.0, 2000.0]) * UM, -HALF_SHORT - 200 * UM
+    way = np.array(
+        [[[[a, y + (up if k < 2 else 0.0)] for k, a in enumerate(x)] for up in (0.0, 50 * UM)]]
+    )
+    off = {"x_sine_um": 3.0, "y_cosine_um": 5.0, "period_um": 70.0}
+    push = lifted({"leadscrew_error": off}, waypoints=way, shapes=(Round(15 * UM),) * 3,
+                  times=np.array([[0.0, 1.0]]), friction=np.array([[MU] * 3]))  # fmt: skip
+    tips = simulate(push, record=10).tips[0]
+    for k in (0, 1):  # the wave of the first one
+        np.testing.assert_allclose(
+            tips[:, k] - [x[k], y], tips[:, 0] - [x[0], y], rtol=0.0, atol=1e-15
+        )
+
+    def wave(place: list[float]) -> list[float]:
+        turned = 2.0 * np.pi / (70 * UM) * np.array(place)
+        return [3.0 * UM * np.sin(turned[0]), 5.0 * UM * np.cos(turned[1])]
+
+    np.testing.assert_allclose(tips[0, 0] - [x[0], y], wave([x[0], y]), atol=1e-15)
+    np.testing.assert_allclose(
+        tips[:, 2] - [x[2], y], np.broadcast_to(wave([x[2], y]), (11, 2)), atol=1e-15
+    )
+
+
+def test_a_part_may_start_where_the_screw_takes_the_tip_away() -> None:
+    """The command is 3 um inside the part, the tip is not; without the wave that is refused."""
+    y = -HALF_SHORT + 3 * UM
+    way = np.array([[[[0.0, y]], [[0.0, y]]]])
+    given: dict[str, Any] = {"waypoints": way, "times": np.array([[0.0, 1.0]]), "shapes": ()}
+    turned = 2.0 * np.pi * y / (200 * UM)
+    off = {
+        "y_sine_um": -4.0 * np.sin(turned),
+        "y_cosine_um": -4.0 * np.cos(turned),
+        "period_um": 200.0,
+    }
+    still = simulate(lifted({"leadscrew_error": off}, **given)).poses
+    np.testing.assert_array_equal(still, np.zeros((1, 3)))
+    with pytest.raises(ValueError, match="starts 3 µm inside"):
+        lifted({}, **given)
 
 
 def test_drift_of_the_mount_moves_a_touching_part() -> None:

@@ -277,7 +277,8 @@ def test_latency_on_a_linear_path_is_a_shift_by_speed_times_delay() -> None:
 def test_runs_with_instants_of_their_own_are_seen_as_each_by_itself() -> None:
     poses, probes = motion()
     times = np.array([TIMES, 1.5 * TIMES + 0.1, TIMES**3])
-    values = {**ON, "camera_latency": {"time_ms": np.array([60.0, 0.0, -170.0])}}
+    late = {"time_ms": np.array([60.0, 0.0, -170.0])}
+    values: dict[str, dict[str, float | Floats]] = {**ON, "camera_latency": {**late}}
     table = Effects(values).table
     together = observe(times, poses, probes, table, probes_seen_by_camera=True)
     for k in range(3):

@@ -177,22 +177,40 @@ def test_a_drift_of_the_probes_bends_and_stretches_their_travel() -> None:
     assert u.probe_position_um == pytest.approx(15.0, abs=0.011)
 
 
-@pytest.mark.parametrize(("period", "stray"), [(1000.0, 5.0), (500.0, 6.2832), (100.0, 31.416)])
+SCREW = {
+    "leadscrew_error.x_sine_um": (0.0, 3.0),
+    "leadscrew_error.x_cosine_um": (-4.0, 0.0),
+    "leadscrew_error.y_sine_um": (0.0, 0.0),
+    "leadscrew_error.y_cosine_um": (1.0, 2.0),
+}
+
+
+@pytest.mark.parametrize(("period", "stray"), [(1000.0, 5.0), (500.0, 6.705), (100.0, 45.806)])
 def test_a_screw_out_of_true_lets_a_probe_stray(period: float, stray: float) -> None:
-    """By hand: 3 and 4 um are a wave of 5, and its slope is 2 pi 5 over the period."""
-    u = real(
-        {
-            "leadscrew_error.x_sine_um": (0.0, 3.0),
-            "leadscrew_error.x_cosine_um": (-4.0, 0.0),
-            "leadscrew_error.y_sine_um": (0.0, 0.0),
-            "leadscrew_error.y_cosine_um": (1.0, 2.0),
-            "leadscrew_error.period_um": (period, 1.1 * period),
-        }
-    ).task.uncertainty
+    """By hand: 3 and 4 um are a wave of 5, whose slope g is 2 pi 5 over the period; 100 g / (1 - g) um in 100 um."""
+    u = real({**SCREW, "leadscrew_error.period_um": (period, 1.1 * period)}).task.uncertainty
 
     assert u.probe_position_um == pytest.approx(10.0, abs=0.011)
     assert u.probe_wander_um == pytest.approx(stray, abs=0.011)
-    assert u.probe_wander_um >= stray
+    assert u.probe_wander_um >= stray - 1e-3
+
+
+@pytest.mark.parametrize(
+    ("given", "held", "word"),
+    [
+        ({"leadscrew_error.period_um": (60.0, 70.0)}, {}, "breaks a premise"),  # a slope of 0.52
+        ({"leadscrew_error.period_um": (-50.0, 101.0)}, {}, "breaks a premise"),
+        ({}, {}, "not identified"),  # nobody looked for the period
+        ({}, {"leadscrew_error.period_um": 500.0}, "not identified"),
+    ],
+)
+def test_a_screw_whose_wave_may_be_steep_or_of_any_period_is_not_absorbed(
+    given: dict[str, tuple[float, float]], held: dict[str, float], word: str
+) -> None:
+    standing = standings(model({**SCREW, **given}, held=held), BUDGET)[-1]
+
+    assert (standing.name, standing.word) == ("leadscrew_error", word)
+    assert standing.absorbed is None
 
 
 @pytest.mark.parametrize("form", [0.0, 1.0, 2.0])
