@@ -18,7 +18,7 @@ from meso_robust.diagnosis.document import SCHEMA, DiagnosisDocument
 from meso_robust.diagnosis.each_push import EachPush
 from meso_robust.diagnosis.folds import RollOut
 from meso_robust.diagnosis.grading import Grade
-from meso_robust.diagnosis.judge import NAMED, SURE, Explained
+from meso_robust.diagnosis.judge import NAMED, PARTIAL, SURE, Explained
 from meso_robust.diagnosis.left_out import LeftOut, fall_of_error, left_out
 from meso_robust.diagnosis.next_push import next_experiment
 from meso_robust.diagnosis.refit import Refit
@@ -210,8 +210,9 @@ def _why(found: Diagnosis) -> str:
         return (_each_push(found.each_push) if found.each_push else _unexplained(grade)) + reach
     main = tuple(name for name in _by_share(grade) if name not in grade.beside)
     most = sum(grade.shares.get(name, 0.0) for name in main)
-    if found.verdict == "partial" and main and grade.beside and most >= NAMED:
-        return f"{_explains(main, most)}{_beside(grade, main)}{reach}"
+    disputed = any(set(main) < set(one.effects) for one in grade.alike)
+    if found.verdict == "partial" and main and grade.beside and (most >= NAMED or disputed):
+        return f"{_explains(main, min(most, 1.0))}{_beside(grade, main)}{reach}"
     names, share = _by_share(grade), grade.explained.share
     if found.verdict == "ambiguous":
         others = _or((*grade.rivals, *grade.alike))
@@ -247,7 +248,9 @@ def _beside(grade: Grade, main: Sequence[str]) -> str:
         if set(main) < set(one.effects)
     }
     so_does = f", and so does {' or '.join(sorted(others))}" if others else ""
-    return f"; beside it is something small, which {' and '.join(grade.beside)} explains{so_does}"
+    least = sum(grade.shares.get(name, 0.0) for name in grade.beside)
+    what = "small, which" if least < PARTIAL else "that"
+    return f"; beside it is something {what} {' and '.join(grade.beside)} explains{so_does}"
 
 
 def _unexplained(grade: Grade) -> str:
@@ -279,10 +282,6 @@ def _or(sets: tuple[Candidate, ...]) -> str:
 
 def _lacking(grade: Grade, explained: Explained) -> str:
     """Why a set that explains a part is not named."""
-    own = set(grade.chosen.effects) if grade.chosen else set()
-    if len(grade.alike) > 1 and all(own < set(one.effects) for one in grade.alike):
-        rest = [" + ".join(n for n in one.effects if n not in own) for one in grade.alike]
-        return f"what it leaves {' or '.join(rest)} explains, which is open"
     if grade.alike:
         return f"but so does {_or(grade.alike)}"
     if grade.unsure:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
@@ -30,7 +30,7 @@ _MOST_OF_ALL = 0.5  # of the explainable error, that one effect explains which f
 def pools(
     naming: Naming | None, quick: bool
 ) -> Iterator[tuple[Naming | None, tuple[Candidate, ...]]]:
-    """Sets that may be the answer: those that the competition leaves; if they fail, the likeliest.
+    """Sets that may be the answer: those that the competition leaves; if they fail, the likeliest, and then the next ones.
 
     One that two held-out recordings spoke against, and that is as likely, is asked in every fold, and so are other laws of
     the same physics. A set is likelier than others by recordings that it was fitted to: it may fail on the rest where they hold.
@@ -54,8 +54,12 @@ def pools(
     # one that explains all but as much as the first, as well as scores are known, may be what it is
     close = [one for one in singles[:2] if one.score >= (1.0 - SCORE_SHARE) * singles[0].score]
     laws = [one for one in able if any(another_law(of, one) for of in (*able[:1], *close))]
-    more = (one for one in able if one in (*close, *laws) and one not in likely)
+    more = [one for one in able if one in (*close, *laws) and one not in likely]
     yield replace(naming, answers=()), (*likely, *more)
+    yield (
+        replace(naming, answers=()),
+        tuple(one for one in able if one not in (*likely, *more))[: len(likely)],
+    )
 
 
 def _refuted(one: Candidate) -> bool:
@@ -120,32 +124,13 @@ def _answer(
         rivals += [
             one for one in pool if one.effects not in left and equal(judge, chosen, one, seed)
         ]
-        return _sure(judge, naming, chosen, rivals, True, seed)
+        return chosen, tuple(rivals), True
     chosen, everywhere = _holding(judge, naming, pool, seed)
     if chosen is None:
         return None, (), True
     if len(judge.bench.fold) < _FEW and pool[0].score - chosen.score > EQUAL_NATS:
         everywhere = False
     rivals = [one for one in pool if equal(judge, chosen, one, seed)]
-    return _sure(judge, naming, chosen, rivals, everywhere, seed)
-
-
-def _sure(
-    judge: Judge,
-    naming: Naming,
-    chosen: Candidate,
-    rivals: Sequence[Candidate],
-    everywhere: bool,
-    seed: int,
-) -> _Answer:
-    """The answer, or what is sure of it: what all sets share that explain as much, which of the rest is open."""
-    others = [one for one in rivals if not another_law(chosen, one)]
-    core = set(chosen.effects).intersection(*(one.effects for one in others))
-    common = _listed(naming, tuple(sorted(core))) if others else None
-    if common is not None and common is not chosen:
-        judge.with_part(chosen, common.effects)
-        if judge.explained(common.effects, seed).tells:
-            return common, (chosen, *others), False
     return chosen, tuple(rivals), everywhere
 
 

@@ -110,7 +110,8 @@ class Grade:
         Effects of the set whose size the recordings do not agree on: what else would be named is partial.
     beside
         Effects that explain little of the whole beside the others, or were found in what these leave: likewise, as the
-        form of a law that is not quite the true one leaves something that an effect may look like.
+        form of a law that is not quite the true one leaves something that an effect may look like. So do those that
+        other sets do without that explain as much.
     spoilt
         Files of recordings that the set predicts worse than the plain model: likewise.
     """
@@ -192,12 +193,9 @@ def graded(
             judge = judge_of(bench, predicted, reach)
         if chosen is not None or not missing or bench.count == 1:
             break
-    beside: Names = ()
-    alike: tuple[Candidate, ...] = ()
-    if chosen is not None:
-        alike = tuple(one for one in rivals if only_law(judge, chosen, one, seed))
-        rivals = tuple(one for one in rivals if one not in alike)
-    if naming is not None and chosen is not None and not rivals and _all_longer(alike, chosen):
+    rivals, alike, beside = _left_open(judge, chosen, rivals, seed)
+    settled = not (rivals or beside)
+    if naming is not None and chosen is not None and settled and _all_longer(alike, chosen):
         beside = slight(judge, chosen)
         part, longer = chosen, alike
         chosen, more, alike, judge = with_more(judge, naming, part, reach, matters, seed)
@@ -233,6 +231,35 @@ def graded(
         alike=alike,
         spoilt=judge.spoilt(effects),
     )
+
+
+Sets = tuple[Candidate, ...]
+
+
+def _left_open(
+    judge: Judge, chosen: Candidate | None, rivals: Sets, seed: int
+) -> tuple[Sets, Sets, Names]:
+    """Of sets that explain as much: those of other physics, those that leave a part or a law open, and what part.
+
+    What all of them hold is told where it explains a part by itself, and the rest is what is open.
+    """
+    if chosen is None:
+        return rivals, (), ()
+    alike = tuple(one for one in rivals if only_law(judge, chosen, one, seed))
+    apart = tuple(one for one in rivals if one not in alike)
+    beside = _in_dispute(judge, chosen, rivals, seed) if apart else ()
+    return ((), rivals, beside) if beside else (apart, alike, ())
+
+
+def _in_dispute(judge: Judge, chosen: Candidate, rivals: Sets, seed: int) -> Names:
+    """Members of a set that not all of its rivals hold, where what they do hold tells a part by itself."""
+    shared = tuple(name for name in chosen.effects if all(name in one.effects for one in rivals))
+    if not shared:
+        return ()
+    judge.with_part(chosen, shared)
+    if not judge.explained(shared, seed).tells:
+        return ()
+    return tuple(name for name in chosen.effects if name not in shared)
 
 
 def _all_longer(alike: tuple[Candidate, ...], chosen: Candidate) -> bool:
