@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
+from meso_robust.simulator.catalogue import CATALOGUE
 from reports.guide.adding_an_effect import TOY, followed, run, steps
 
 _LOOK = """
@@ -38,7 +39,7 @@ def test_a_toy_effect_is_added_by_the_steps_of_the_guide(tmp_path: Path) -> None
     followed(tmp_path)
     found = json.loads(run(_LOOK, tmp_path))
     assert found["file"].startswith(str(tmp_path))
-    assert found["effects"] == 35
+    assert found["effects"] == len(CATALOGUE) + 1
     assert found["stage"] == "observation"
     assert found["shown_by"] == "long pushes along x and along y"
     assert found["premise"] is False
@@ -48,6 +49,4 @@ def test_a_toy_effect_is_added_by_the_steps_of_the_guide(tmp_path: Path) -> None
 
 
 def test_the_toy_is_not_in_the_catalogue() -> None:
-    from meso_robust.simulator.catalogue import CATALOGUE
-
     assert TOY not in CATALOGUE

@@ -16,7 +16,11 @@ from tests.simulator.test_effects import ON, lifted
 from tests.simulator.test_residual import end
 
 WITH_FORMS = [name for name, effect in CATALOGUE.items() if effect.forms]
-SIZES = {**ON, "camera_drift": {"x_um_s": 2.0, "y_um_s": 0.0}}
+SIZES = {
+    **ON,
+    "camera_drift": {"x_um_s": 2.0, "y_um_s": 0.0},
+    "angle_error": {"sine_deg": 0.5},
+}
 OTHERS = [
     (name, float(law))
     for name in WITH_FORMS
