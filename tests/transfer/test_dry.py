@@ -97,7 +97,9 @@ def test_without_dry_contact_nothing_moves() -> None:
 def bound(effect: str, ranges: dict[str, tuple[float, float]], **changes: float) -> Absorbed:
     absorb = LINES[effect].absorb
     assert absorb is not None
-    return absorb(ranges, budget(**changes))
+    found = absorb(ranges, budget(**changes))
+    assert found is not None
+    return found
 
 
 def test_what_is_bounded_by_hand(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -24,7 +24,9 @@ SIZE = {"drag_gradient.x_per_mm": (0.05, 0.07), "drag_gradient.y_per_mm": (-0.06
 def bound(x: tuple[float, float], y: tuple[float, float], form: float = 0.0) -> Absorbed:
     absorb = LINES["drag_gradient"].absorb
     assert absorb is not None
-    return absorb({"x_per_mm": x, "y_per_mm": y, "form": (form, form)}, BUDGET)
+    found = absorb({"x_per_mm": x, "y_per_mm": y, "form": (form, form)}, BUDGET)
+    assert found is not None
+    return found
 
 
 def film() -> Floats:

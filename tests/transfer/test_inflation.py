@@ -47,7 +47,9 @@ HALF = np.array([808e-6, 418.5e-6])
 def bound(effect: str, ranges: dict[str, Ends]) -> Absorbed:
     absorb = LINES[effect].absorb
     assert absorb is not None
-    return absorb(ranges, BUDGET)
+    found = absorb(ranges, BUDGET)
+    assert found is not None
+    return found
 
 
 def errors(effects: dict[str, dict[str, Ends]], runs: int = 3000) -> tuple[float, float]:

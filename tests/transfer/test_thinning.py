@@ -67,6 +67,7 @@ def test_an_exponent_too_large_for_the_bound_leaves_all_that_drags() -> None:
     absorb = LINES["shear_thinning"].absorb
     assert absorb is not None
     found = absorb({"exponent_drop": (-0.9, 0.1)}, BUDGET)
+    assert found is not None
 
     assert found.drag_centre_um > 1e6 * np.sqrt(380e-9) * np.abs(area(1616 / 837)).max()
     assert found.ratio_share == 2.0
