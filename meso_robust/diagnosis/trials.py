@@ -253,11 +253,18 @@ def _waves(key: str, place: Callable[[Prepared], Floats]) -> Forms:
     def forms(effect: str, prepared: Prepared) -> Iterable[Trial]:
         scale = 1e6 * REFERENCE_LENGTH / prepared.length
         sizes = {f"{axis}_{wave}_um": 0.5 for axis in "xy" for wave in ("sine", "cosine")}
-        for period in periods(prepared, place(prepared)):
+        # forms are of tips that move together
+        many = len(CATALOGUE[effect].forms) if prepared.waypoints.shape[2] > 1 else 1
+        for period, form in itertools.product(
+            periods(prepared, place(prepared)), range(max(many, 1))
+        ):
             yield Trial(
                 effect=effect,
                 sizes=sizes,
-                shape={key: scale * period},
+                shape={
+                    key: scale * period,
+                    **({FORM: float(form)} if CATALOGUE[effect].forms else {}),
+                },
                 free={key: 0.03 * scale * period},
             )
 

@@ -73,6 +73,7 @@ ACTUATION = Stage(
             name="leadscrew_error",
             equation="true w = w + s sin(2π w/p) + c cos(2π w/p) on each axis w of the mount",
             source="once a turn of a lead screw; A. H. Slocum, Precision Machine Design, 1992",
+            forms=("tips that move alike are of one mount", "every tip has a mount of its own"),
             parameters=(
                 *(
                     Parameter(
@@ -103,6 +104,7 @@ _DRIFT_TIME = ACTUATION.slot("probe_drift", "time_s")
 _DRIFT_FORM = ACTUATION.slot("probe_drift", FORM)
 _SCREW = ACTUATION.slot("leadscrew_error", "x_sine_um")
 _SCREW_PERIOD = ACTUATION.slot("leadscrew_error", "period_um")
+_SCREW_FORM = ACTUATION.slot("leadscrew_error", FORM)
 DRIVE_SLOTS = (_WIDTH, _DRIFT_X, _DRIFT_Y, _SCREW, _SCREW + 1, _SCREW + 2, _SCREW + 3)
 """Columns of effects between the command and the driven position of a probe."""
 _APART = 2e-6  # m, up to which tips of one mount are logged as moving otherwise
@@ -162,16 +164,20 @@ def _screwed(effects: Floats, axis: int, place: float) -> float:
     return float(sine * np.sin(turned) + cosine * np.cos(turned))
 
 
-def _mount_of(waypoints: Floats, probe: int) -> int:
+def _mount_of(effects: Floats, waypoints: Floats, probe: int) -> int:
     """The first probe that is carried by the mount of a probe: they move alike.
 
     Parameters
     ----------
+    effects
+        (S,) values of the effects.
     waypoints
         (W, P, 2) or more commands of the probes at the ends of legs, m.
     probe
         Its number.
     """
+    if effects[_SCREW_FORM] != 0.0:
+        return probe
     for first in range(probe):
         alike = True
         for leg in range(waypoints.shape[0]):
@@ -211,7 +217,7 @@ def true_starts(table: Floats, waypoints: Floats) -> Floats:
     starts = ways[:, 0].copy()
     for run in np.flatnonzero(np.broadcast_to(on, count)):
         for probe in range(starts.shape[1]):
-            place = ways[run, 0, _mount_of(ways[run], probe)]
+            place = ways[run, 0, _mount_of(rows[run], ways[run], probe)]
             for axis in range(2):
                 starts[run, probe, axis] += _screwed(rows[run], axis, place[axis])
     return np.asarray(starts)

@@ -88,7 +88,7 @@ def new_state(case: Case) -> State:
     )
     driven = _any(case.effects, DRIVE_SLOTS)
     for p in range(case.waypoints.shape[1]):
-        mount = mount_of(case.waypoints, p) if driven else p
+        mount = mount_of(case.effects, case.waypoints, p) if driven else p
         state.obstacles[p, OBSTACLES.mount] = mount
         for a in range(2):
             place = case.waypoints[0, mount, a]

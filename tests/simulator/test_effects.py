@@ -623,6 +623,10 @@ def test_tips_of_one_mount_are_moved_alike_and_a_resting_one_by_its_own_screw() 
         return [3.0 * UM * np.sin(turned[0]), 5.0 * UM * np.cos(turned[1])]
 
     np.testing.assert_allclose(tips[0, 0] - [x[0], y], wave([x[0], y]), atol=1e-15)
+    apart = replace(push, effects=Effects({"leadscrew_error": {**off, "form": 1.0}}))
+    np.testing.assert_allclose(
+        simulate(apart, record=10).tips[0, 0, 1] - [x[1], y], wave([x[1], y]), atol=1e-15
+    )
     np.testing.assert_allclose(
         tips[:, 2] - [x[2], y], np.broadcast_to(wave([x[2], y]), (11, 2)), atol=1e-15
     )

@@ -21,10 +21,12 @@ SIZES = {
     "camera_drift": {"x_um_s": 2.0, "y_um_s": 0.0},
     "angle_error": {"sine_deg": 0.5},
 }
+TWO_TIPS = {"tip_radius", "leadscrew_error"}
+"""Effects of which another form is another motion with two tips only."""
 OTHERS = [
     (name, float(law))
     for name in WITH_FORMS
-    if name in ON and name != "tip_radius"  # of one tip it is another motion with two tips only
+    if name in ON and name not in TWO_TIPS
     for law in range(1, len(CATALOGUE[name].forms))
 ]
 
