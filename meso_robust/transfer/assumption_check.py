@@ -273,10 +273,7 @@ def _ranges(document: ModelDocument, effect: str) -> Ranges:
     for one in CATALOGUE[effect].parameters:
         key = f"{effect}.{one.key}"
         fitted, held = document.parameters.get(key), document.held.get(key, one.shown(one.default))
-        low, high = (held, held) if fitted is None else ends(fitted)
-        # an interval may reach where no value can be
-        least, most = one.shown(one.low), one.shown(one.high)
-        found[one.key] = min(max(low, least), most), min(max(high, least), most)
+        found[one.key] = (held, held) if fitted is None else ends(fitted)
     return found
 
 

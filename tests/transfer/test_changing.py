@@ -231,6 +231,12 @@ def test_waves_of_angle_and_place_are_errors_of_a_pose(form: float) -> None:
     assert u.sensed_position_um == pytest.approx(5.0 + 13.0, abs=0.011)
 
 
+def test_an_interval_counts_as_far_as_it_reaches() -> None:
+    """The catalogue's values end at 10 deg: that is no bound of what a laboratory may have."""
+    waves = {"angle_error.sine_deg": (9.0, 11.0), "angle_error.cosine_deg": (0.0, 0.0)}
+    assert made(waves).task.uncertainty.sensed_orientation_deg == pytest.approx(11.3, abs=0.011)
+
+
 def test_a_post_becomes_a_wall_as_large_as_it_can_be() -> None:
     post = {
         "unmodelled_wall.radius_um": (10.0, 20.0),
