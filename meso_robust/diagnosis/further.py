@@ -59,10 +59,29 @@ def with_more(
     return chosen, (), alike, judge
 
 
+def with_one_more(
+    judge: Judge, laws: tuple[Candidate, ...], longer: tuple[Candidate, ...], matters: float
+) -> Candidate | None:
+    """Of longer sets that explain as much as several laws of one physics, that which leaves least and adds to a law; None if none does."""
+    able = (
+        whole
+        for whole in longer
+        for law in laws
+        if set(law.effects) < set(whole.effects)
+        and len(whole.effects) == len(law.effects) + 1
+        and _adds(judge, law, whole, matters)
+    )
+    return min(able, key=lambda one: float(judge.sums(one.effects).sum()), default=None)
+
+
 def _adds(judge: Judge, part: Candidate, whole: Candidate, matters: float) -> bool:
     """Whether a further member takes away much of what is left, by a sure amount that matters, and replaces none."""
-    before, after = (judge.size_left(one.effects) for one in (part, whole))
-    if before**2 - after**2 < matters**2 or not _takes(judge, part.effects, whole.effects):
+    before, after = (np.square(judge.left(one.effects)) for one in (part, whole))
+    less = (before - after) * [
+        1.0,
+        judge.bench.prepared.length**2,
+    ]  # of place, and of turn at the part's size
+    if less.max() < matters**2 or not _takes(judge, part.effects, whole.effects):
         return False
     (own,) = (one for one in whole.refit.trials if one.effect not in part.effects)
     of = {one.key: one for one in intervals_by_fold(judge.seen[whole.effects])}

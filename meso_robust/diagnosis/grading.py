@@ -18,7 +18,7 @@ from meso_robust.diagnosis.candidates import Candidate, Naming, exchanged
 from meso_robust.diagnosis.choice import in_open_forms, pools, slight
 from meso_robust.diagnosis.document import SWAY_SHARE, Channel, Verdict
 from meso_robust.diagnosis.folds import Bench, RollOut, rolled_out
-from meso_robust.diagnosis.further import with_more
+from meso_robust.diagnosis.further import with_more, with_one_more
 from meso_robust.diagnosis.hidden_inputs import CHANNELS
 from meso_robust.diagnosis.judge import (
     NAMED,
@@ -30,7 +30,7 @@ from meso_robust.diagnosis.judge import (
     with_predictions,
 )
 from meso_robust.diagnosis.localisation import Located
-from meso_robust.diagnosis.rivals import EQUAL_NATS, only_law
+from meso_robust.diagnosis.rivals import EQUAL_NATS, one_physics, only_law
 from meso_robust.diagnosis.sizes import clear
 from meso_robust.diagnosis.stages import stages
 from meso_robust.diagnosis.tangent import Interval
@@ -195,12 +195,10 @@ def graded(
             break
     rivals, alike, beside = _left_open(judge, chosen, rivals, seed)
     settled = not (rivals or beside)
-    if naming is not None and chosen is not None and settled and _all_longer(alike, chosen):
-        beside = slight(judge, chosen)
-        part, longer = chosen, alike
-        chosen, more, alike, judge = with_more(judge, naming, part, reach, matters, seed)
-        beside += more
-        alike += tuple(one for one in longer if not _outdone(judge, part, chosen, one, seed))
+    if naming is not None and chosen is not None and settled:
+        chosen, beside, alike, judge = _with_what_is_beside(
+            judge, naming, chosen, alike, reach, matters, seed
+        )
     explained = judge.explained(chosen.effects, seed) if chosen else None
     effects = chosen.effects if chosen else ()
     by_effect, tables = shapley(judge, chosen, phases(recordings, bench))
@@ -251,6 +249,36 @@ def _left_open(
     return ((), rivals, beside) if beside else (apart, alike, ())
 
 
+def _with_what_is_beside(
+    judge: Judge,
+    naming: Naming,
+    chosen: Candidate,
+    alike: Sets,
+    reach: float | None,
+    matters: float,
+    seed: int,
+) -> tuple[Candidate, Names, Sets, Judge]:
+    """The set with further members, those of them that are told apart, and the sets that explain as much."""
+    laws = tuple(one for one in alike if one_physics(chosen, one))
+    longer = tuple(one for one in alike if one not in laws)
+    if laws:
+        # which law it is does not tell what is beside it, and sets that have it were asked
+        found = with_one_more(judge, (chosen, *laws), longer, matters)
+        if found is None:
+            return chosen, (), alike, judge
+        beside, same = slight(judge, found), ()
+    elif _all_longer(longer, chosen):
+        beside = slight(judge, chosen)
+        found, more, same, judge = with_more(judge, naming, chosen, reach, matters, seed)
+        beside += more
+        if found is chosen:
+            return chosen, beside, alike, judge
+    else:
+        return chosen, (), alike, judge
+    kept = (one for one in alike if not _outdone(judge, found, one, seed))
+    return found, beside, (*same, *kept) or laws, judge
+
+
 def _in_dispute(judge: Judge, chosen: Candidate, rivals: Sets, seed: int) -> Names:
     """Members of a set that not all of its rivals hold, where what they do hold tells a part by itself."""
     shared = tuple(name for name in chosen.effects if all(name in one.effects for one in rivals))
@@ -262,15 +290,13 @@ def _in_dispute(judge: Judge, chosen: Candidate, rivals: Sets, seed: int) -> Nam
     return tuple(name for name in chosen.effects if name not in shared)
 
 
-def _all_longer(alike: tuple[Candidate, ...], chosen: Candidate) -> bool:
+def _all_longer(alike: Sets, chosen: Candidate) -> bool:
     """Whether the chosen set may need one effect more, as each of those has that explain as much."""
     return all(len(one.effects) > len(chosen.effects) for one in alike)
 
 
-def _outdone(judge: Judge, part: Candidate, chosen: Candidate, other: Candidate, seed: int) -> bool:
+def _outdone(judge: Judge, chosen: Candidate, other: Candidate, seed: int) -> bool:
     """Whether a set that explains as much as a part of the chosen one explains surely less than the whole, or is it."""
-    if chosen is part:
-        return False
     same = other.effects == chosen.effects
     return same or judge.surely_worse(chosen.effects, other.effects, seed)
 

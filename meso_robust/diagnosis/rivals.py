@@ -31,10 +31,15 @@ def another_law(chosen: Candidate, other: Candidate) -> bool:
 
     No law is quite the true one: which of two is nearer on these pushes does not tell which it is.
     """
+    near = other.score >= (1.0 - MEMBER_SHARE) * chosen.score
+    return near and not other.duplicate and one_physics(chosen, other)
+
+
+def one_physics(chosen: Candidate, other: Candidate) -> bool:
+    """Whether another set differs only in the laws that it takes for the same physics."""
     if other.effects == chosen.effects or len(other.effects) != len(chosen.effects):
         return False
-    near = other.score >= (1.0 - MEMBER_SHARE) * chosen.score
-    return near and not other.duplicate and physics(other) == physics(chosen)
+    return physics(other) == physics(chosen)
 
 
 def law_open(judge: Judge, chosen: Candidate, other: Candidate) -> bool:

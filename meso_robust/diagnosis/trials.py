@@ -364,6 +364,10 @@ TRIALS: Mapping[str, Try] = {
     "part_geometry": Try(
         "a push through the centre from each of four edges", sized(x_um=3.0, y_um=3.0)
     ),
+    "part_skew": Try(
+        "a push through the centre from each of four edges",
+        formed(*3 * [sized(angle_deg=0.3)]),
+    ),
     "tip_radius": Try(
         "approaches to all four edges with each tip, contact seen at high frame rate", _worn
     ),
@@ -391,6 +395,9 @@ TRIALS: Mapping[str, Try] = {
     ),
     "probe_drift": Try("hold the tip on the part for ten seconds", _DRIFT),
     "camera_latency": Try("one push at three speeds, with sudden stops", sized(time_ms=20.0)),
+    "clock_rate": Try(
+        "one long push, and the same one after a rest of ten seconds", sized(percent=1.0)
+    ),
     "camera_scale": Try(
         "long pushes along x and along y; a calibration grid", _about_a_place(percent=0.3)
     ),

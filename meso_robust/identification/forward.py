@@ -20,6 +20,7 @@ from meso_robust.simulator.actuation import true_starts
 from meso_robust.simulator.geometry import outlines, radii, reference_of_tracked
 from meso_robust.simulator.observation import (
     CAMERA_LATENCY_TIME,
+    CLOCK_RATE_PERCENT,
     OBSERVATION,
     observe,
     unseen,
@@ -30,6 +31,7 @@ from meso_robust.types import Flags, Floats
 _AT_ONCE = 400_000  # instants recorded in one call of the simulator: about 50 MB
 _CAUGHT = 0.04  # steps of overlap that count as touching; the simulator refuses 0.05
 _OBSERVED = slice(OBSERVATION.base, OBSERVATION.base + OBSERVATION.slots)
+_CLOCK = [CAMERA_LATENCY_TIME, CLOCK_RATE_PERCENT]
 _AWAY = 1.0  # m: where a part that is caught between tips is put so that nothing meets it
 
 
@@ -222,11 +224,11 @@ def _predicted(
 def _camera(prepared: Prepared, table: Floats) -> Floats:
     """The table, (1|K R, SLOTS), with what of the camera can show.
 
-    Where the tips are seen by the same camera, all that is seen is late together.
+    Where the tips are seen by the same camera, all that is seen is late together, and by the same clock.
     """
-    if prepared.tips_seen and np.any(table[:, CAMERA_LATENCY_TIME]):
+    if prepared.tips_seen and np.any(table[:, _CLOCK]):
         table = table.copy()
-        table[:, CAMERA_LATENCY_TIME] = 0.0
+        table[:, _CLOCK] = 0.0
     return table
 
 

@@ -18,7 +18,7 @@ _UM, _DEG = 1e-6, np.pi / 180.0
 
 ACTUATION = Stage(
     name="actuation",
-    base=80,
+    base=88,
     effects=(
         Effect(
             name="probe_compliance",

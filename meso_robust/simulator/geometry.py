@@ -13,8 +13,7 @@ _UM, _DEG = 1e-6, np.pi / 180.0
 GEOMETRY = Stage(
     name="geometry",
     base=72,
-    slots=8,
-    effects=(
+        effects=(
         Effect(
             name="part_geometry",
             equation="x → x (1 + d_x / h_x), y → y (1 + d_y / h_y), h half the extent of the part",
@@ -31,6 +30,21 @@ GEOMETRY = Stage(
                 Parameter(
                     key="y_um", unit="µm", to_si=_UM,
                     meaning="d_y: by how much an edge across the part's y axis stands out",
+                ),
+            ),
+        ),
+        Effect(
+            name="part_skew",
+            equation="x → x + y tan κ",
+            source="a mask or a cut that is out of square",
+            forms=(
+                "edges across the part's x axis lean", "edges across the part's y axis lean",
+                "both do, by half",
+            ),
+            parameters=(
+                Parameter(
+                    key="angle_deg", unit="°", to_si=_DEG, low=-45.0 * _DEG, high=45.0 * _DEG,
+                    meaning="κ: by how much two corners are sharper than stated, and the two others blunter",
                 ),
             ),
         ),
@@ -69,6 +83,9 @@ GEOMETRY = Stage(
 _OUT_X = GEOMETRY.slot("part_geometry", "x_um")
 _OUT_Y = GEOMETRY.slot("part_geometry", "y_um")
 _OUT_FORM = GEOMETRY.slot("part_geometry", FORM)
+_SKEW = GEOMETRY.slot("part_skew", "angle_deg")
+_SKEW_FORM = GEOMETRY.slot("part_skew", FORM)
+_LEANING = np.array([[1.0, 0.0], [0.0, 1.0], [0.5, 0.5]])  # by form: of edges across x, across y
 _SIDES = np.array([[0.0, 0.0], [1.0, 1.0], [1.0, -1.0], [-1.0, 1.0], [-1.0, -1.0]])
 EXCESS = GEOMETRY.slot("tip_radius", "excess_um")
 """Column of the excess of the tips' radius."""
@@ -83,7 +100,8 @@ def outlines(vertices: Floats, table: Floats) -> Floats:
 
     The part is stretched about its reference point by ``1 + d / h`` along each of its axes, h half
     its extent: an edge across an axis then stands out by d. Of a part of which one edge of two is out
-    of place it is moved on by d, so that the other edge is where it was.
+    of place it is moved on by d, so that the other edge is where it was. What is out of square then leans
+    by what each of its axes has of the angle κ.
 
     Parameters
     ----------
@@ -98,7 +116,9 @@ def outlines(vertices: Floats, table: Floats) -> Floats:
         (1|N, V, 2) corners, m.
     """
     moved = table[:, _OUT_X : _OUT_Y + 1] * _SIDES[table[:, _OUT_FORM].astype(int)]
-    return np.asarray(vertices * stretch(vertices, table)[:, None] + moved[:, None])
+    corners = vertices * stretch(vertices, table)[:, None] + moved[:, None]
+    lean = np.tan(table[:, _SKEW, None] * _LEANING[table[:, _SKEW_FORM].astype(int)])
+    return np.asarray(corners + lean[:, None] * corners[..., ::-1])
 
 
 def stretch(vertices: Floats, table: Floats) -> Floats:

@@ -2,11 +2,11 @@
 
 A pose x, θ of the part at time t is seen as
 
-    y(t) = A S(D(R(φ) (x(t - τ) - m) + m)) + d t + c,    D(r) = r (1 + k1 |r|²),    S(r) = r + s (r - m'),
-    θ_seen(t) = θ(t - τ) + φ + q ψ,    tan ψ = 2 k1 (r·h) (h×r) / (1 + k1 r² + 2 k1 (r·h)²),
+    y(t) = A S(D(R(φ) (x(t') - m) + m)) + d t + c,    D(r) = r (1 + k1 |r|²),    S(r) = r + s (r - m'),
+    θ_seen(t) = θ(t') + φ + q ψ,    t' = (1 + r) t - τ,    tan ψ = 2 k1 (r·h) (h×r) / (1 + k1 r² + 2 k1 (r·h)²),
 
 world frame, about the world origin but for rotation and scale, which have middles m and m' of their
-own: delay τ, rotation φ of the image against the stage, lens D, error s of the scale, stretch A of the
+own: delay τ and rate r of the camera's clock, rotation φ of the image against the stage, lens D, error s of the scale, stretch A of the
 axes, drift d and shift c. The lens shears what is off its axis; ψ is the angle by which the
 x axis h of a part at r is turned by that, and q the share of it that the tracker takes for a turn. A tracker
 may be off by a wave in the angle of the part, and by one in the place in the image. Then `sense` samples at the frames of the camera, adds noise and
@@ -42,7 +42,7 @@ def _middle(of: str) -> tuple[Parameter, ...]:
 
 OBSERVATION = Stage(
     name="observation",
-    base=96,
+    base=104,
     slots=32,
     effects=(
         Effect(
@@ -57,6 +57,21 @@ OBSERVATION = Stage(
                     meaning="by how much the images lag behind the controller's clock",
                     low=-1.0,
                     high=1.0,
+                ),
+            ),
+        ),
+        Effect(
+            name="clock_rate",
+            equation="y(t) = x((1 + r) t)",
+            source="frames that are stamped by their number and a rate that is not quite the camera's",
+            parameters=(
+                Parameter(
+                    key="percent",
+                    unit="%",
+                    to_si=1e-2,
+                    meaning="r: by how much faster all is seen than it is, as the camera's clock is slow",
+                    low=-0.2,
+                    high=0.2,
                 ),
             ),
         ),
@@ -264,6 +279,7 @@ OBSERVATION = Stage(
 """The stage of the camera and the tracker."""
 
 CAMERA_LATENCY_TIME = OBSERVATION.slot("camera_latency", "time_ms")
+CLOCK_RATE_PERCENT = OBSERVATION.slot("clock_rate", "percent")
 CAMERA_SCALE_PERCENT = OBSERVATION.slot("camera_scale", "percent")
 CAMERA_SCALE_ABOUT_X = OBSERVATION.slot("camera_scale", "about_x_um")
 CAMERA_SCALE_ABOUT_Y = OBSERVATION.slot("camera_scale", "about_y_um")
@@ -410,14 +426,14 @@ def observe(
         _refuse("effects_table", f"shape {effects_table.shape}", rule, "use Effects.table")
     table = np.broadcast_to(effects_table, (runs, SLOTS))
     times = np.broadcast_to(times, (runs, times.shape[-1]))
-    _delay(times, poses, table[:, CAMERA_LATENCY_TIME])
+    _delay(times, poses, table)
     _turn(poses[..., 2], table[:, CAMERA_ROTATION_ANGLE])
     _shear(poses, table)
     _lean(poses, table)
     _err(poses[..., 2], table)
     _show(times, poses[:, :, None, :2], table)
     if probes_seen_by_camera:
-        _delay(times, probes, table[:, CAMERA_LATENCY_TIME])
+        _delay(times, probes, table)
         _show(times, probes, table)
     return poses, probes
 
@@ -529,11 +545,13 @@ def _show(times: Floats, points: Floats, table: Floats) -> None:
 # change the last bit. Where none is on they return at once, as most are off in any fit.
 
 
-def _delay(times: Floats, values: Floats, delay: Floats) -> None:
-    on = delay != 0.0
+def _delay(times: Floats, values: Floats, table: Floats) -> None:
+    delay, rate = table[:, CAMERA_LATENCY_TIME, None], table[:, CLOCK_RATE_PERCENT, None]
+    on = ((delay != 0.0) | (rate != 0.0))[:, 0]
     if not on.any():
         return
-    values[on] = _interpolated(times[on], values[on], times[on] - delay[on, None])
+    seen = times[on] + rate[on] * times[on] - delay[on]
+    values[on] = _interpolated(times[on], values[on], seen)
 
 
 def _turn(angles: Floats, turn: Floats) -> None:

@@ -59,7 +59,7 @@ def _harmonics(prefix: str, unit: str, to_si: float, ending: str, what: str, mos
 
 RESIDUAL = Stage(
     name="residual",
-    base=128,
+    base=136,
     slots=32,
     effects=(
         Effect(

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-SLOTS = 160
+SLOTS = 168
 """Columns of the table of effects."""
 FORM = "form"
 """Name of the parameter that says which form of its law an effect has."""

@@ -236,7 +236,7 @@ def _of_effect(document: ModelDocument, effect: str, budget: Budget) -> Standing
     ):  # the bounds are derived of the first form of a law
         return _broken(effect, line, ", by another form of the law: " + _form(effect, ranges))
     if line.rectangle and not budget.rectangle:
-        return _broken(effect, line, ", and it is bounded for a film under a rectangle only")
+        return _broken(effect, line, ", and it is bounded for a rectangle only")
     if line.even and not budget.slender:
         return _broken(effect, line, ", and the film is not even but for it")
     found = line.absorb(ranges, budget)

@@ -240,11 +240,22 @@ def _part(part: Mapping[str, Any], absorbed: Sequence[Absorbed]) -> dict[str, An
         found[key] = round(float((low + high) / 2), 2)
         middle = spelled(found[key])
         off[k] = max(high - middle, middle - low)
+    lean = sum(spelled(one.leans_deg) for one in absorbed)
+    if lean:
+        # what is turned lies nearer to the centre
+        shorter = [spelled(found[key]) * _versine(float(lean)) for key in found]
+        off = [by + less for by, less in zip(off, shorter, strict=True)]
+        found["squareness_deg"] = rounded_up(spelled(part.get("squareness_deg", 0.0)) + lean)
     if any(off):
         found["size_tolerance_um"] = rounded_up(
             spelled(part.get("size_tolerance_um", 0.0)) + max(off)
         )
     return found
+
+
+def _versine(angle_deg: float) -> Fraction:
+    """1 - cos of an angle, rounded up."""
+    return Fraction(2.0 * math.sin(0.5 * math.radians(angle_deg)) ** 2 + _LOST)
 
 
 def _polygon(part: Mapping[str, Any], absorbed: Sequence[Absorbed]) -> dict[str, Any]:
@@ -343,6 +354,7 @@ def _errors(before: Mapping[str, float], absorbed: Iterable[Absorbed]) -> dict[s
 _FIELDS = {
     "length_um": "length_um",
     "width_um": "width_um",
+    "squareness_deg": "leans_deg",
     "sensed_position_um": "sensed_um",
     "sensed_orientation_deg": "turned_deg",
     "probe_position_um": "probe_um",
@@ -368,7 +380,8 @@ def _reasons(standings: Mapping[str, Standing]) -> dict[str, str]:
         return ", ".join([*(name for name in first if name in standings), *names])
 
     found = {key: by(field) for key, field in _FIELDS.items()}
-    of_the_part = ", ".join(dict.fromkeys(filter(None, (found["length_um"], found["width_um"]))))
+    by_part = (found[key] for key in ("length_um", "width_um", "squareness_deg"))
+    of_the_part = ", ".join(dict.fromkeys(filter(None, by_part)))
     for key in ("tip_radius_um", "passive_tip_radius_um"):
         found[key] = by("radius_um", ROUND_TIPS) or "the task's tips are points"
     return {

@@ -81,6 +81,9 @@ class Absorbed:
     length_um: Ends = NOTHING
     """By how much the part is longer than stated."""
     width_um: Ends = NOTHING
+    leans_deg: float = 0.0
+    """By how much every edge of a rectangle may be turned from its direction; it is no farther out then, and its
+    distance from the centre at least the cosine of that."""
     radius_um: Ends = NOTHING
     """By how much every tip's radius is larger than stated."""
     drag_centre_um: float = 0.0
@@ -155,6 +158,16 @@ def part_geometry(ranges: Ranges, _: Budget) -> Absorbed:
         length_um=(2.0 * x[0], 2.0 * x[1]),
         width_um=(2.0 * y[0], 2.0 * y[1]),
     )
+
+
+def part_skew(ranges: Ranges, _: Budget) -> Absorbed:
+    """A rectangle of half sides a, b that is sheared by κ has edges that lean by κ at most.
+
+    With x → x + y tan κ those across x lean by κ, at a cos κ from the centre, and the others are where they were. With both by
+    half, t = tan(κ/2), all lean by κ/2, at a (1 - t²) / √(1 + t²) and b likewise: between a cos κ and a.
+    """
+    lean = largest(ranges["angle_deg"])
+    return Absorbed(said=f"every edge turned by ± {up_to(lean, 3)}° more", leans_deg=lean)
 
 
 def reference_offset(ranges: Ranges, _: Budget) -> Absorbed:
@@ -366,6 +379,17 @@ def camera_latency(ranges: Ranges, _: Budget) -> Absorbed:
         said="nothing changes: poses are sensed at rest",
         condition=f"the part has been at rest for {wait} ms before its pose is sensed, and still is "
         f"{wait} ms later",
+    )
+
+
+def clock_rate(ranges: Ranges, budget: Budget) -> Absorbed:
+    """|r| t: a pose that has been at rest for as long is seen as it is."""
+    wait = math.ceil(0.01 * largest(ranges["percent"]) * budget.seconds * _ROUNDING)
+    return Absorbed(
+        said="nothing changes: poses are sensed at rest",
+        bounded_by="time",
+        condition=f"the last move ends within {budget.seconds:g} s of when the clocks were set alike, and the part has "
+        f"been at rest for {wait} s before its pose is sensed, and still is {wait} s later",
     )
 
 

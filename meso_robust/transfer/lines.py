@@ -46,7 +46,7 @@ class Line:
     even: bool = False
     """Whether the bound is of a film that nothing else keeps from being even."""
     rectangle: bool = False
-    """Whether it is of a film under a rectangle."""
+    """Whether it is of a rectangle, or of a film under one."""
     placed: tuple[str, ...] = ()
     """Parameters that say where it is, without which its size is worth nothing."""
 
@@ -223,6 +223,15 @@ LINES: Mapping[str, Line] = {
         why="the same part with edges elsewhere: a rectangle stays one",
         absorb=inflation.part_geometry,
     ),
+    "part_skew": Line(
+        premise=Premise.PART_KNOWN,
+        claim="rectangle-edges",
+        derivation="derivations/polygon_edge.py",
+        why="a part out of square: its edges are turned",
+        absorb=inflation.part_skew,
+        any_form=True,
+        rectangle=True,
+    ),
     "tip_radius": Line(
         premise=Premise.POINT_TIPS,
         claim="round-tip-sticking",
@@ -264,6 +273,7 @@ LINES: Mapping[str, Line] = {
         absorb=inflation.probe_drift,
     ),
     "camera_latency": _sensing("old poses are seen", inflation.camera_latency),
+    "clock_rate": _sensing("poses are seen too early or too late", inflation.clock_rate),
     "camera_scale": _sensing("lengths are seen too long", inflation.camera_scale),
     "camera_rotation": _sensing("the image is turned", inflation.camera_rotation),
     "camera_drift": _sensing("everything is seen to move", inflation.camera_drift),

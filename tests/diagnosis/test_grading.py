@@ -16,7 +16,7 @@ from meso_robust.diagnosis.candidates import Candidate, Naming
 from meso_robust.diagnosis.choice import _answer, _holding, earning, in_open_forms, pools, slight
 from meso_robust.diagnosis.diagnose import Diagnosis
 from meso_robust.diagnosis.document import Verdict
-from meso_robust.diagnosis.further import with_more
+from meso_robust.diagnosis.further import with_more, with_one_more
 from meso_robust.diagnosis.grading import (
     Grade,
     _all_longer,
@@ -24,6 +24,7 @@ from meso_robust.diagnosis.grading import (
     _outdone,
     _stage_left,
     _verdict,
+    _with_what_is_beside,
     graded,
     sized,
 )
@@ -887,9 +888,37 @@ def test_a_set_that_explains_as_much_with_more_is_asked_beside_a_further_effect(
     assert not _all_longer((stated("c", gain=1000.0),), part)
     worse = [one + behind for one in NOISE]
     judge = stood({(): PLAIN, ("a",): worse, ("a", "b"): NOISE, other.effects: worse})
-    assert _outdone(judge, part, whole, other, 0) is not kept
-    assert _outdone(judge, part, whole, whole, 0)
-    assert not _outdone(judge, part, part, other, 0)
+    assert _outdone(judge, whole, other, 0) is not kept
+    assert _outdone(judge, whole, whole, 0)
+
+
+def test_what_is_beside_laws_of_one_physics_is_told_though_the_law_is_open(
+    late: Diagnosis, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Two laws explain as much, and one of them leaves half as much with a wave beside it."""
+    names = ("stribeck_friction", "breakaway_friction", "backlash", "breakaway_friction backlash")
+    first, other, alone, whole = (stated(*one.split(), gain=1000.0) for one in names)
+    few = [one + 3.0 for one in NOISE]
+    judge = stood(
+        {
+            (): PLAIN,
+            first.effects: few,
+            other.effects: few,
+            alone.effects: PLAIN,
+            whole.effects: NOISE,
+        }
+    )
+    monkeypatch.setattr(
+        "meso_robust.diagnosis.further._adds", lambda _, part, of, __: (part, of) == (other, whole)
+    )
+    naming = Naming(answers=(), best=first, candidates=())
+
+    def told(alike: tuple[Candidate, ...]) -> tuple[Candidate, tuple[str, ...], Any]:
+        return _with_what_is_beside(judge, naming, first, alike, None, 1.0, 0)[:3]
+
+    assert told((other, whole)) == (whole, ("backlash",), (other,))
+    assert told((other, alone)) == (first, (), (other, alone))
+    assert with_one_more(judge, (first,), (whole,), 1.0) is None
 
 
 def test_the_effect_that_explains_most_is_told_first(late: Diagnosis) -> None:

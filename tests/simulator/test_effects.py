@@ -25,6 +25,7 @@ from meso_robust.simulator import (
     simulate,
 )
 from meso_robust.simulator.catalogue import CATALOGUE, STAGES, stage_of
+from meso_robust.simulator.geometry import outlines
 from meso_robust.simulator.outline import quadrature
 from meso_robust.simulator.stage import SLOTS
 from meso_robust.simulator.tables import (
@@ -54,9 +55,9 @@ NAMES = {
     "uneven_support sticky_spot inertia",
     "environment": "body_force film_flow wall_capillarity point_pull unmodelled_wall",
     "contact": "tip_adhesion tip_attraction edge_dependent_friction friction_spread friction_drift",
-    "geometry": "part_geometry tip_radius reference_offset part_yaw",
+    "geometry": "part_geometry part_skew tip_radius reference_offset part_yaw",
     "actuation": "probe_compliance backlash probe_drift leadscrew_error",
-    "observation": "camera_latency camera_scale camera_rotation camera_drift lens_distortion "
+    "observation": "camera_latency clock_rate camera_scale camera_rotation camera_drift lens_distortion "
     "camera_anisotropy registration_shift angle_error pixel_locking",
     "residual": "residual",
 }
@@ -87,6 +88,7 @@ ON: Values = {
     "leadscrew_error": {"x_sine_um": 3.0, "y_cosine_um": -2.0, "period_um": 90.0},
     "inertia": {"time_ms": 40.0},
     "part_geometry": {"x_um": 15.0, "y_um": -6.0},
+    "part_skew": {"angle_deg": 3.0, "form": 1.0},
     "tip_radius": {"excess_um": -4.0},
     "reference_offset": {"x_um": 20.0, "y_um": 9.0},
     "part_yaw": {"angle_deg": 0.8},
@@ -933,6 +935,29 @@ def test_part_geometry_is_another_outline() -> None:
     stretched = rectangle(HALF_LONG + 15 * UM, HALF_SHORT - 6 * UM)
     want = simulate(replace(lifted({}), vertices=stretched))
     got = simulate(lifted({"part_geometry": {"x_um": 15.0, "y_um": -6.0}}))
+    close(got.poses, want.poses, 1e-14)
+
+
+@pytest.mark.parametrize(
+    ("form", "leans"), [(0.0, (3.0, 0.0)), (1.0, (0.0, 3.0)), (2.0, (1.5, 1.5))]
+)
+def test_a_part_out_of_square_has_edges_that_lean(form: float, leans: tuple[float, float]) -> None:
+    """By the directions of its edges."""
+    table = Effects({"part_skew": {"angle_deg": 3.0, "form": form}}).table
+    found = outlines(rectangle(), table)[0]
+    x_edges, y_edges = (
+        [
+            (np.roll(found, -1, axis=0) - found)[k]
+            for k in range(4)
+            if abs((np.roll(rectangle(), -1, axis=0) - rectangle())[k, axis]) < 1e-9
+        ]
+        for axis in (0, 1)
+    )
+    assert [np.degrees(np.arctan(x / y)) for x, y in x_edges] == pytest.approx(2 * [leans[0]])
+    assert [np.degrees(np.arctan(y / x)) for x, y in y_edges] == pytest.approx(2 * [leans[1]])
+    assert np.mean(found, axis=0) == pytest.approx([0.0, 0.0], abs=1e-12)
+    want = simulate(replace(lifted({}), vertices=found))
+    got = simulate(lifted({"part_skew": {"angle_deg": 3.0, "form": form}}))
     close(got.poses, want.poses, 1e-14)
 
 

@@ -30,6 +30,7 @@ from meso_robust.simulator.observation import (
     CAMERA_SCALE_ABOUT_X,
     CAMERA_SCALE_ABOUT_Y,
     CAMERA_SCALE_PERCENT,
+    CLOCK_RATE_PERCENT,
     LENS_DISTORTION_K1,
     LENS_DISTORTION_TURNED,
     OBSERVATION,
@@ -50,6 +51,7 @@ Floats = npt.NDArray[np.float64]
 TIMES = np.array([-0.5, 0.0, 0.125, 0.5, 2.0])
 SLOT_OF = {
     "camera_latency": (CAMERA_LATENCY_TIME,),
+    "clock_rate": (CLOCK_RATE_PERCENT,),
     "camera_scale": (CAMERA_SCALE_PERCENT, CAMERA_SCALE_ABOUT_X, CAMERA_SCALE_ABOUT_Y),
     "camera_rotation": (CAMERA_ROTATION_ANGLE, CAMERA_ROTATION_ABOUT_X, CAMERA_ROTATION_ABOUT_Y),
     "camera_drift": (CAMERA_DRIFT_X, CAMERA_DRIFT_Y, CAMERA_DRIFT_TIME, CAMERA_DRIFT_FORM),
@@ -66,6 +68,7 @@ SLOT_OF = {
 }
 ON: dict[str, dict[str, float | Floats]] = {
     "camera_latency": {"time_ms": 60.0},
+    "clock_rate": {"percent": 4.0},
     "camera_scale": {"percent": 0.7, "about_x_um": 250.0, "about_y_um": -400.0},
     "camera_rotation": {"angle_deg": 1.3, "about_x_um": -600.0, "about_y_um": 150.0},
     "camera_drift": {"x_um_s": 0.4, "y_um_s": -0.2},
@@ -75,6 +78,8 @@ ON: dict[str, dict[str, float | Floats]] = {
     "pixel_locking": {"x_sine_um": 2.0, "x_cosine_um": 1.0, "y_sine_um": -1.5, "y_cosine_um": 0.5},
     "registration_shift": {"x_um": 3.0, "y_um": -7.0},
 }
+
+CLOCK = ("camera_latency", "clock_rate")
 
 
 def motion(runs: int = 3, tips: int = 2) -> tuple[Floats, Floats]:
@@ -100,9 +105,9 @@ def same_bits(a: Floats, b: Floats) -> bool:
 def test_the_stage_declares_its_effects_in_its_block_of_the_table() -> None:
     assert {effect.name for effect in OBSERVATION.effects} == set(SLOT_OF)
     slots = sorted(slot for group in SLOT_OF.values() for slot in group)
-    assert slots == list(range(OBSERVATION.base, OBSERVATION.base + 27))
+    assert slots == list(range(OBSERVATION.base, OBSERVATION.base + 28))
     table = Effects(ON).table[0]
-    expected = [0.06, 0.007, 250e-6, -400e-6, math.radians(1.3), -600e-6, 150e-6]
+    expected = [0.06, 0.04, 0.007, 250e-6, -400e-6, math.radians(1.3), -600e-6, 150e-6]
     expected += [0.4e-6, -0.2e-6, 1.0, 0.0, 1e4, 0.0]
     expected += [-0.004, 0.023, 0.002, 0.0]
     expected += [math.radians(0.5), math.radians(-0.3), 0.0, 2e-6, 1e-6, -1.5e-6, 0.5e-6, 50e-6]
@@ -141,7 +146,7 @@ def test_commanded_tips_are_no_matter_of_the_camera() -> None:
 
 def test_rotation_scale_lens_stretch_drift_and_shift_are_those_of_complex_numbers() -> None:
     poses, probes = motion()
-    values = {name: given for name, given in ON.items() if name != "camera_latency"}
+    values = {name: given for name, given in ON.items() if name not in CLOCK}
     out_poses, out_probes = seen(values)
     turn = cmath.rect(1.0, math.radians(1.3))
     turned_about, scaled_about = complex(-600e-6, 150e-6), complex(250e-6, -400e-6)
@@ -233,7 +238,7 @@ def test_points_that_lie_alike_in_their_pixels_are_drawn_alike() -> None:
 
 
 def test_what_is_shown_tells_where_it_is() -> None:
-    effects = {name: of for name, of in ON.items() if name != "camera_latency"}
+    effects = {name: of for name, of in ON.items() if name not in CLOCK}
     for sign in (1.0, -1.0):  # pincushion and barrel
         effects["lens_distortion"] = {"k1_per_mm2": 0.02 * sign}
         table = Effects(effects).table
@@ -272,6 +277,18 @@ def test_latency_on_a_linear_path_is_a_shift_by_speed_times_delay() -> None:
     assert out[0, late] == pytest.approx(poses[0, late] - speed * 0.055, abs=1e-15)
     assert np.array_equal(out[0, ~late], np.repeat(poses[0, :1], np.sum(~late), axis=0))
     assert np.array_equal(tips[0, :, 0], out[0, :, :2])
+
+
+def test_a_clock_of_another_rate_shows_a_steady_motion_faster_and_ends_earlier() -> None:
+    times = np.linspace(0.0, 10.0, 101)
+    speed = np.array([75e-6, -20e-6, 0.3])
+    poses = np.array([1e-3, 2e-3, 3.0]) + speed * times[None, :, None]
+    table = Effects({"clock_rate": {"percent": 2.5}, "camera_latency": {"time_ms": 40.0}}).table
+    out, _ = observe(times, poses, np.zeros((1, 101, 0, 2)), table, probes_seen_by_camera=True)
+    there = (times >= 0.1) & (times < 9.7)
+    shown = poses[0, 0] + np.outer(1.025 * times[there] - 0.04, speed)
+    assert out[0, there] == pytest.approx(shown, abs=1e-14)
+    assert np.array_equal(out[0, times > 9.81], np.repeat(poses[0, -1:], 2, axis=0))
 
 
 def test_runs_with_instants_of_their_own_are_seen_as_each_by_itself() -> None:

@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+import itertools
 from fractions import Fraction
 
+import numpy as np
 import pytest
 from hypothesis import given, strategies as st
 
 from meso_robust.errors import InputError
+from meso_robust.simulator import Effects
+from meso_robust.simulator.geometry import outlines
 from meso_robust.task import Part, load_task, parse_task
 from meso_robust.toml_files import read_toml, toml_of
 from meso_robust.transfer.assumption_check import standings
@@ -90,6 +94,43 @@ def test_sides_of_the_part_keep_their_interval() -> None:
     assert found.task.part == Part(length_um=1622.0, width_um=836.5, size_tolerance_um=2.0)
     assert not found.wider
     assert found.setup().uncertainty.size.hi == pytest.approx(1e-6)
+
+
+@pytest.mark.parametrize("form", [0.0, 1.0, 2.0])
+def test_edges_of_a_part_out_of_square_lie_within_the_tolerances(form: float) -> None:
+    """Measured at the parts that the simulator makes of the task's, longer by an interval as well."""
+    ends = {"part_skew.angle_deg": (-0.4, 1.2), "part_geometry.x_um": (2.0, 4.0)}
+    after = made(ends, held={"part_skew.form": form}).task
+    part = after.part
+    assert isinstance(part, Part)
+    corners = np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]])
+    stated = 1e-6 * corners * [808.0, 418.5]
+    sides = 1e-6 * np.array([part.width_um, part.length_um, part.width_um, part.length_um])
+    worst = np.zeros(2)
+    for angle, out in itertools.product((-0.4, 0.3, 1.2), (2.0, 4.0)):
+        of = {"part_skew": {"angle_deg": angle, "form": form}, "part_geometry": {"x_um": out}}
+        found = outlines(stated, Effects(of).table)[0]
+        ways = np.roll(found, -1, axis=0) - found
+        lengths = np.hypot(*ways.T)
+        far = (found[:, 0] * ways[:, 1] - found[:, 1] * ways[:, 0]) / lengths
+        turned = np.degrees(np.angle(ways @ [1.0, 1j] * np.array([1.0, -1j, -1.0, 1j])))
+        worst = np.maximum(worst, [np.abs(far - 0.5 * sides).max(), np.abs(turned).max()])
+    size, square = part.size_tolerance_um, part.squareness_deg
+    assert size is not None
+    assert square is not None
+    assert worst[0] <= 0.5e-6 * size <= worst[0] + 0.4e-6
+    assert worst[1] <= square + 1e-9  # of the double that was measured
+    assert square == pytest.approx(1.2)
+    assert [one.because for one in made(ends).changes if "squareness" in one.key] == [
+        "part_geometry, part_skew"
+    ]
+
+
+def test_a_clock_of_another_rate_asks_for_rest() -> None:
+    found = standings(model({"clock_rate.percent": (-0.5, 1.9)}), BUDGET)[-1]
+    assert found.survives
+    assert found.absorbed is not None
+    assert found.absorbed.condition.count("for 2 s before") == 1  # 1.9 % of 100 s
 
 
 def real(effects: dict[str, tuple[float, float]], **rest: object) -> Changed:
