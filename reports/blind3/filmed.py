@@ -3,7 +3,7 @@
 Sets of the same kinds and laws as the others, drawn with other seeds. Films are made by `film` and tracked by ``track``,
 then diagnosed in the quick and in the full form. Those of `SHORT` and of `LATE`, most of them outside the catalogue or a
 pair, come as recordings; so do those of `WHOLE` and `LAST`, which have every kind in its share, and those of `BEYOND`,
-which have other laws too.
+which have other laws too. Those of `FRESH` are mostly pairs and laws that are new again, all of them well visible.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from multiprocessing import get_context
 from pathlib import Path
 from typing import Any
 
-from reports.blind3 import beyond
+from reports.blind3 import beyond, fresh
 from reports.blind3.answering import diagnosed
 from reports.blind3.cases import HERE, Case, digest, listed, sealed, text_hash
 from reports.blind3.filming import SEED, tracked
@@ -234,6 +234,14 @@ BEYOND = Trial(
     ),
     forms=("quick",),
 )
+FRESH = Trial(
+    out=HERE / "fresh",
+    cases=fresh.listed(20261204),
+    made=fresh.sealed,
+    follows=("generate.py", "laws.py", "cases.py", "beyond.py", "fresh.py"),
+    blocks=((0, 64, "a clock's rate, a part that is skewed and a tip that goes round are known"),),
+    forms=("quick",),
+)
 TRIALS = {
     "films": FILMS,
     "short": SHORT,
@@ -241,6 +249,7 @@ TRIALS = {
     "whole": WHOLE,
     "last": LAST,
     "beyond": BEYOND,
+    "fresh": FRESH,
 }
 
 

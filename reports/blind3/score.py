@@ -10,7 +10,7 @@ from typing import Any
 
 from meso_robust.campaigns.intervals import share_interval
 from meso_robust.simulator.catalogue import family_of
-from reports.blind3 import beyond
+from reports.blind3 import beyond, fresh
 from reports.blind3.cases import COMMITMENT, HERE, Case, listed
 from reports.blind3.laws import FAMILIES, OUTSIDE
 
@@ -117,7 +117,7 @@ class Scored:
     @property
     def outside_as_wanted(self) -> bool:
         """Unknown or partial, put at the stage where it is."""
-        laws = {**OUTSIDE, **beyond.OUTSIDE}
+        laws = {**OUTSIDE, **beyond.OUTSIDE, **fresh.OUTSIDE}
         stages = {laws[name].stage for name in self.case.families}
         return self.answer["verdict"] in ("unknown", "partial") and self.answer["stage"] in stages
 
