@@ -11,7 +11,7 @@ flat side only, so that C has one direction, and a wire less along its bend than
 import numpy as np
 
 from meso_robust.kernels import sealed
-from meso_robust.simulator.stage import FORM, Effect, Parameter, Stage
+from meso_robust.simulator.stage import FORM, Effect, Parameter, Stage, waves
 from meso_robust.types import Floats
 
 _UM, _DEG = 1e-6, np.pi / 180.0
@@ -75,13 +75,7 @@ ACTUATION = Stage(
             source="once a turn of a lead screw; A. H. Slocum, Precision Machine Design, 1992",
             forms=("tips that move alike are of one mount", "every tip has a mount of its own"),
             parameters=(
-                *(
-                    Parameter(
-                        key=f"{axis}_{wave}_um", unit="µm", to_si=_UM, meaning=f"{wave[0]} of the {axis} axis"
-                    )
-                    for axis in "xy"
-                    for wave in ("sine", "cosine")
-                ),
+                *waves(),
                 Parameter(
                     key="period_um", unit="µm", to_si=_UM, default=500.0 * _UM, low=0.1 * _UM, size=False,
                     meaning="p: travel of one turn of the screw",

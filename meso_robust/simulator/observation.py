@@ -20,7 +20,7 @@ from typing import NoReturn
 
 import numpy as np
 
-from meso_robust.simulator.stage import FORM, SLOTS, Effect, Parameter, Stage
+from meso_robust.simulator.stage import FORM, SLOTS, Effect, Parameter, Stage, waves
 from meso_robust.types import Flags, Floats
 
 _UM, _DEG = 1e-6, np.pi / 180.0
@@ -253,16 +253,7 @@ OBSERVATION = Stage(
             equation="w_seen = w + s sin(2π w/p) + c cos(2π w/p) of each coordinate w",
             source="peak locking; J. Westerweel 1997, doi:10.1088/0957-0233/8/12/002",
             parameters=(
-                *(
-                    Parameter(
-                        key=f"{axis}_{wave}_um",
-                        unit="µm",
-                        to_si=_UM,
-                        meaning=f"{wave[0]} of {axis}",
-                    )
-                    for axis in "xy"
-                    for wave in ("sine", "cosine")
-                ),
+                *waves(),
                 Parameter(
                     key="pitch_um",
                     unit="µm",

@@ -69,6 +69,20 @@ class Parameter:
         return float(f"{value / self.to_si:.12g}")
 
 
+def waves() -> tuple[Parameter, ...]:
+    """Sine and cosine of a wave on each axis."""
+    return tuple(
+        Parameter(
+            key=f"{axis}_{wave}_um",
+            unit="µm",
+            to_si=1e-6,
+            meaning=f"{wave[0]} of the {axis} axis",
+        )
+        for axis in "xy"
+        for wave in ("sine", "cosine")
+    )
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Effect:
     """A piece of physics that the plain model leaves out."""
