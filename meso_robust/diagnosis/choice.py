@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from meso_robust.diagnosis.candidates import SCORE_SHARE, Candidate, Naming, exchanged, other_forms
-from meso_robust.diagnosis.folds import RollOut
+from meso_robust.diagnosis.folds import RollOut, intervals_by_fold
 from meso_robust.diagnosis.judge import (
     FOLD_SHARE,
     MEMBER_SHARE,
@@ -21,6 +21,7 @@ from meso_robust.diagnosis.judge import (
 )
 from meso_robust.diagnosis.rejection import Ground
 from meso_robust.diagnosis.rivals import EQUAL_NATS, another_law, behind, equal, holds, law_open
+from meso_robust.diagnosis.sizes import clear
 
 _JUDGED = {True: 4, False: 8}  # sets that are predicted fold by fold, if quick and if not
 _FEW = 6  # recordings, of fewer of which a set that is not the likeliest may be the best by luck
@@ -185,12 +186,16 @@ def earning(
     *,
     fold_share: float = FOLD_SHARE,
 ) -> Candidate | None:
-    """The set without members that do not earn their place in every fold; None if none does, or carries over."""
+    """The set without members that do not earn their place in every fold; None if none does, or carries over.
+
+    One that explains little must have a size that the folds agree on: a little is what any law takes away.
+    """
     for member in whole.effects:
         rest = tuple(name for name in whole.effects if name != member)
         judge.with_part(whole, rest)
         folds, bar = judge.by_fold(rest, whole.effects), judge.explainable
-        if folds.sum() > least * bar and folds.min() >= -fold_share * bar:
+        helps = folds.sum() > least * bar and folds.min() >= -fold_share * bar
+        if helps and (folds.sum() > MEMBER_SHARE * bar or _sized(judge, whole, member)):
             continue
         smaller = _listed(naming, rest)
         if smaller is not None:
@@ -198,6 +203,16 @@ def earning(
         if not rest:
             return None
     return whole if judge.carries(whole.effects) else None
+
+
+def _sized(judge: Judge, whole: Candidate, member: str) -> bool:
+    """Whether the folds agree that a member of a set has a size, or it is told by a place and has none."""
+    if judge.bench.count == 1:
+        return True
+    (own,) = (one for one in whole.refit.trials if one.effect == member)
+    keys = {f"{member}.{key}" for key in own.sizes}
+    sizes = [one for one in intervals_by_fold(judge.seen[whole.effects]) if one.key in keys]
+    return not keys or any(clear(one) for one in sizes)
 
 
 def slight(judge: Judge, whole: Candidate) -> Names:

@@ -20,6 +20,7 @@ from meso_robust.diagnosis.sizes import beyond_by_folds, clear, is_open
 _LARGEST = 3  # effects of a set that further ones were added to
 # of what a set leaves, that a further member must take away
 _FURTHER_SHARE = 0.2
+_NOT_NOUGHT = 0.25  # half widths of its interval, that the size of a further member must be beyond nought at least
 _ALIKE_SHARE = 0.8  # of what the best further member takes away, from which on another is as good
 
 
@@ -86,10 +87,13 @@ def _adds(judge: Judge, part: Candidate, whole: Candidate, matters: float) -> bo
     (own,) = (one for one in whole.refit.trials if one.effect not in part.effects)
     of = {one.key: one for one in intervals_by_fold(judge.seen[whole.effects])}
     sizes = [of.get(f"{own.effect}.{key}") for key in own.sizes]
-    # of so many effects one is beyond nought by chance, but none takes away nearly all by chance;
-    # a size that runs to the end of its range is none
+    # of so many effects one is beyond nought by chance, but none takes away nearly all by chance; a size that runs to
+    # the end of its range is none, nor is one that is nought as far as the folds tell: the rest was fitted again
     if _takes_nearly_all(judge, part, whole):
-        sure = any(one and one.parameter.low < one.value < one.parameter.high for one in sizes)
+        sure = any(
+            one and one.parameter.low < one.value < one.parameter.high and clear(one, _NOT_NOUGHT)
+            for one in sizes
+        )
     else:
         beyond = beyond_by_folds(judge.bench.count)
         sure = any(one and not is_open(one) and clear(one, beyond) for one in sizes)

@@ -355,6 +355,12 @@ TRIALS: Mapping[str, Try] = {
     ),
     "edge_dependent_friction": Try("slanted pushes that slip, one on each edge", _edges),
     "friction_spread": Try("pushes that slip, with each tip by itself", _tips),
+    "friction_speed": Try(
+        "one push that slips, at three speeds",
+        formed(
+            *2 * [shaped({"change": 0.2}, {"speed_um_s": 10.0}, speed_um_s=(5.0, 30.0))],
+        ),
+    ),
     "friction_drift": Try(
         "long pushes that slip", formed(sized(rate_percent_s=3.0), _slowing(rate_percent_s=3.0))
     ),
@@ -366,7 +372,7 @@ TRIALS: Mapping[str, Try] = {
     ),
     "part_skew": Try(
         "a push through the centre from each of four edges",
-        formed(*3 * [sized(angle_deg=0.3)]),
+        formed(*5 * [sized(angle_deg=0.3)]),
     ),
     "tip_radius": Try(
         "approaches to all four edges with each tip, contact seen at high frame rate", _worn
@@ -395,6 +401,7 @@ TRIALS: Mapping[str, Try] = {
     ),
     "probe_drift": Try("hold the tip on the part for ten seconds", _DRIFT),
     "camera_latency": Try("one push at three speeds, with sudden stops", sized(time_ms=20.0)),
+    "log_latency": Try("one push at three speeds, with sudden stops", sized(time_ms=20.0)),
     "clock_rate": Try(
         "one long push, and the same one after a rest of ten seconds", sized(percent=1.0)
     ),

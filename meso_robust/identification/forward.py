@@ -21,6 +21,7 @@ from meso_robust.simulator.geometry import outlines, radii, reference_of_tracked
 from meso_robust.simulator.observation import (
     CAMERA_LATENCY_TIME,
     CLOCK_RATE_PERCENT,
+    LOG_LATENCY_TIME,
     OBSERVATION,
     observe,
     unseen,
@@ -31,7 +32,7 @@ from meso_robust.types import Flags, Floats
 _AT_ONCE = 400_000  # instants recorded in one call of the simulator: about 50 MB
 _CAUGHT = 0.04  # steps of overlap that count as touching; the simulator refuses 0.05
 _OBSERVED = slice(OBSERVATION.base, OBSERVATION.base + OBSERVATION.slots)
-_CLOCK = [CAMERA_LATENCY_TIME, CLOCK_RATE_PERCENT]
+_CLOCK = [CAMERA_LATENCY_TIME, LOG_LATENCY_TIME, CLOCK_RATE_PERCENT]
 _AWAY = 1.0  # m: where a part that is caught between tips is put so that nothing meets it
 
 

@@ -39,11 +39,12 @@ GEOMETRY = Stage(
             source="a mask or a cut that is out of square",
             forms=(
                 "edges across the part's x axis lean", "edges across the part's y axis lean",
-                "both do, by half",
+                "both do, by half", "edges across the part's y axis converge towards +x",
+                "edges across the part's x axis converge towards +y",
             ),
             parameters=(
                 Parameter(
-                    key="angle_deg", unit="°", to_si=_DEG, low=-45.0 * _DEG, high=45.0 * _DEG,
+                    key="angle_deg", unit="°", to_si=_DEG, low=-10.0 * _DEG, high=10.0 * _DEG,
                     meaning="κ: by how much two corners are sharper than stated, and the two others blunter",
                 ),
             ),
@@ -85,7 +86,9 @@ _OUT_Y = GEOMETRY.slot("part_geometry", "y_um")
 _OUT_FORM = GEOMETRY.slot("part_geometry", FORM)
 _SKEW = GEOMETRY.slot("part_skew", "angle_deg")
 _SKEW_FORM = GEOMETRY.slot("part_skew", FORM)
-_LEANING = np.array([[1.0, 0.0], [0.0, 1.0], [0.5, 0.5]])  # by form: of edges across x, across y
+# by form: of edges across x, and across y
+_LEANING = np.array([[1.0, 0.0], [0.0, 1.0], [0.5, 0.5], [0.0, 0.0], [0.0, 0.0]])
+_CONVERGING = np.array([*3 * [[0.0, 0.0]], [0.0, 1.0], [1.0, 0.0]])
 _SIDES = np.array([[0.0, 0.0], [1.0, 1.0], [1.0, -1.0], [-1.0, 1.0], [-1.0, -1.0]])
 EXCESS = GEOMETRY.slot("tip_radius", "excess_um")
 """Column of the excess of the tips' radius."""
@@ -100,8 +103,8 @@ def outlines(vertices: Floats, table: Floats) -> Floats:
 
     The part is stretched about its reference point by ``1 + d / h`` along each of its axes, h half
     its extent: an edge across an axis then stands out by d. Of a part of which one edge of two is out
-    of place it is moved on by d, so that the other edge is where it was. What is out of square then leans
-    by what each of its axes has of the angle κ.
+    of place it is moved on by d, so that the other edge is where it was. What is out of square then has edges
+    that lean, or converge, by the angle κ.
 
     Parameters
     ----------
@@ -116,9 +119,22 @@ def outlines(vertices: Floats, table: Floats) -> Floats:
         (1|N, V, 2) corners, m.
     """
     moved = table[:, _OUT_X : _OUT_Y + 1] * _SIDES[table[:, _OUT_FORM].astype(int)]
-    corners = vertices * stretch(vertices, table)[:, None] + moved[:, None]
-    lean = np.tan(table[:, _SKEW, None] * _LEANING[table[:, _SKEW_FORM].astype(int)])
-    return np.asarray(corners + lean[:, None] * corners[..., ::-1])
+    return _skewed(vertices * stretch(vertices, table)[:, None] + moved[:, None], table)
+
+
+def _skewed(corners: Floats, table: Floats) -> Floats:
+    """Corners (N, V, 2) in m of parts that are out of square."""
+    form = table[:, _SKEW_FORM].astype(int)
+    lean, taper = (np.tan(table[:, _SKEW, None] * of[form]) for of in (_LEANING, _CONVERGING))
+    narrowed = 1.0 - (taper / (0.5 * np.ptp(corners, axis=-2)))[:, None] * corners[..., ::-1]
+    for run in np.flatnonzero(np.any(narrowed <= 0.0, axis=(-1, -2))):
+        refuse(
+            "effects.part_skew",
+            f"edges of run {run} meet within the part",
+            "must leave something of the part",
+            "give a smaller angle",
+        )
+    return np.asarray(corners * narrowed + lean[:, None] * corners[..., ::-1])
 
 
 def stretch(vertices: Floats, table: Floats) -> Floats:

@@ -3,10 +3,10 @@
 A pose x, θ of the part at time t is seen as
 
     y(t) = A S(D(R(φ) (x(t') - m) + m)) + d t + c,    D(r) = r (1 + k1 |r|²),    S(r) = r + s (r - m'),
-    θ_seen(t) = θ(t') + φ + q ψ,    t' = (1 + r) t - τ,    tan ψ = 2 k1 (r·h) (h×r) / (1 + k1 r² + 2 k1 (r·h)²),
+    θ_seen(t) = θ(t') + φ + q ψ,    t' = (1 + r) t - τ + λ,    tan ψ = 2 k1 (r·h) (h×r) / (1 + k1 r² + 2 k1 (r·h)²),
 
 world frame, about the world origin but for rotation and scale, which have middles m and m' of their
-own: delay τ and rate r of the camera's clock, rotation φ of the image against the stage, lens D, error s of the scale, stretch A of the
+own: delay τ and rate r of the camera's clock, delay λ of the tips' log, rotation φ of the image against the stage, lens D, error s of the scale, stretch A of the
 axes, drift d and shift c. The lens shears what is off its axis; ψ is the angle by which the
 x axis h of a part at r is turned by that, and q the share of it that the tracker takes for a turn. A tracker
 may be off by a wave in the angle of the part, and by one in the place in the image. Then `sense` samples at the frames of the camera, adds noise and
@@ -56,6 +56,21 @@ OBSERVATION = Stage(
                     to_si=1e-3,
                     meaning="by how much the images lag behind the controller's clock",
                     low=-1.0,
+                    high=1.0,
+                ),
+            ),
+        ),
+        Effect(
+            name="log_latency",
+            equation="y(t) = x(t + λ)",
+            source="definition of a pure delay",
+            parameters=(
+                Parameter(
+                    key="time_ms",
+                    unit="ms",
+                    to_si=1e-3,
+                    meaning="λ: by how much the logged places of the tips lag behind the images",
+                    low=0.0,
                     high=1.0,
                 ),
             ),
@@ -270,6 +285,7 @@ OBSERVATION = Stage(
 """The stage of the camera and the tracker."""
 
 CAMERA_LATENCY_TIME = OBSERVATION.slot("camera_latency", "time_ms")
+LOG_LATENCY_TIME = OBSERVATION.slot("log_latency", "time_ms")
 CLOCK_RATE_PERCENT = OBSERVATION.slot("clock_rate", "percent")
 CAMERA_SCALE_PERCENT = OBSERVATION.slot("camera_scale", "percent")
 CAMERA_SCALE_ABOUT_X = OBSERVATION.slot("camera_scale", "about_x_um")
@@ -537,11 +553,12 @@ def _show(times: Floats, points: Floats, table: Floats) -> None:
 
 
 def _delay(times: Floats, values: Floats, table: Floats) -> None:
-    delay, rate = table[:, CAMERA_LATENCY_TIME, None], table[:, CLOCK_RATE_PERCENT, None]
-    on = ((delay != 0.0) | (rate != 0.0))[:, 0]
+    delay = table[:, CAMERA_LATENCY_TIME] - table[:, LOG_LATENCY_TIME]
+    rate = table[:, CLOCK_RATE_PERCENT]
+    on = (delay != 0.0) | (rate != 0.0)
     if not on.any():
         return
-    seen = times[on] + rate[on] * times[on] - delay[on]
+    seen = times[on] + rate[on, None] * times[on] - delay[on, None]
     values[on] = _interpolated(times[on], values[on], seen)
 
 

@@ -43,7 +43,7 @@ from meso_robust.simulator.rows import write_rows
 from meso_robust.simulator.scene import find_contacts, smallest_gap
 from meso_robust.simulator.support import AGE, factorise, older
 from meso_robust.simulator.tables import CONTACTS, MARKS, OBSTACLES, PART, STEP, Work
-from meso_robust.simulator.touch import attraction_reach, friction_of_contacts
+from meso_robust.simulator.touch import SLOWNESS, attraction_reach, friction_of_contacts
 from meso_robust.types import Floats
 
 COMPLETED = int(Outcome.COMPLETED)
@@ -292,6 +292,22 @@ def _displace(case: Case, plain: bool, body: Floats, pose: Floats, dt: float) ->
 
 
 @part
+def _keep_slips(state: State, work: Work, count: int, probes: int, dt: float) -> None:
+    """Keep the speeds at which tips that touch slipped along the part."""
+    contacts, body = work.contacts, state.body
+    x, y, turn = body[PART.moved], body[PART.moved + 1], body[PART.moved + 2]
+    for p in range(probes):
+        state.obstacles[p, OBSTACLES.slip] = 0.0
+    for c in range(count):
+        p = work.marks[c, MARKS.who]
+        if p < probes and contacts[c, CONTACTS.ln] > 0.0:
+            along_x = contacts[c, CONTACTS.dx] - x + turn * contacts[c, CONTACTS.py]
+            along_y = contacts[c, CONTACTS.dy] - y - turn * contacts[c, CONTACTS.px]
+            slid = contacts[c, CONTACTS.nx] * along_y - contacts[c, CONTACTS.ny] * along_x
+            state.obstacles[p, OBSTACLES.slip] = abs(slid) / dt
+
+
+@part
 def _arrive(case: Case, state: State, work: Work, count: int, unit: float, dt: float) -> None:
     """Put the tips where they are at the end of the step, bent by the forces on them.
 
@@ -305,6 +321,8 @@ def _arrive(case: Case, state: State, work: Work, count: int, unit: float, dt: f
         )
         obstacles[p, OBSTACLES.x] += obstacles[p, OBSTACLES.move_x]
         obstacles[p, OBSTACLES.y] += obstacles[p, OBSTACLES.move_y]
+    if case.effects[SLOWNESS] != 0.0:
+        _keep_slips(state, work, count, probes, dt)
     if case.effects[COMPLIANCE] == 0.0:
         return
     cos, sin, step = state.body[PART.cos], state.body[PART.sin], work.step

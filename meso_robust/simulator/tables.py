@@ -109,9 +109,11 @@ class _Obstacles(NamedTuple):
     from_y: int = 13
     mount: int = 14
     """Of a probe: the first one that moves as it does, as both are carried by one mount."""
+    slip: int = 15
+    """Of a probe: speed in m/s at which its tip slipped along the part in the last step."""
 
 
-OBSTACLES, OBSTACLE_COLUMNS = _Obstacles(), 15
+OBSTACLES, OBSTACLE_COLUMNS = _Obstacles(), 16
 
 
 class _Part(NamedTuple):

@@ -84,6 +84,22 @@ CONTACT = Stage(
             ),
         ),
         Effect(
+            name="friction_speed",
+            equation="μ of every tip = μ (1 + c exp(−v / v₀)), v the speed of its slip",
+            source="R. Stribeck 1902; B. Armstrong-Hélouvry et al. 1994, doi:10.1016/0005-1098(94)90209-7",
+            forms=("falls exponentially", "falls as 1 / (1 + v / v₀)"),
+            parameters=(
+                Parameter(
+                    key="change", unit="", to_si=1.0, low=-1.0,
+                    meaning="c: by what share a tip that sticks has more friction than one that slips fast",
+                ),
+                Parameter(
+                    key="speed_um_s", unit="µm/s", to_si=_UM, default=20.0 * _UM, low=0.01 * _UM, size=False,
+                    meaning="v₀: speed of slip over which that is lost",
+                ),
+            ),
+        ),
+        Effect(
             name="friction_drift",
             equation="μ of every tip = μ exp(r t)",
             source="a tip that is wetted by the film, or polished, while it slides",
@@ -117,6 +133,10 @@ TIP = CONTACT.slot("friction_spread", "tip")
 _FADING = CONTACT.slot("friction_drift", "rate_percent_s")
 _FADING_TIME = CONTACT.slot("friction_drift", "time_s")
 _FADING_FORM = CONTACT.slot("friction_drift", FORM)
+SLOWNESS = CONTACT.slot("friction_speed", "change")
+"""Column of by how much more friction a tip has that does not slip."""
+_SLOW_SPEED = CONTACT.slot("friction_speed", "speed_um_s")
+_SLOW_FORM = CONTACT.slot("friction_speed", FORM)
 PULL_SLOTS = (_ADHESION, _ATTRACTION)
 """Columns of effects that draw the part to a tip."""
 REACH_OF_ATTRACTION = 50.0
@@ -138,7 +158,7 @@ def friction_of_contacts(
     """Write the friction coefficient of every contact after some s of the run, and no pull.
 
     A corner of the part belongs to no edge and has the plain coefficient; so have obstacles that are no
-    probes at any time.
+    probes at any time. How fast a tip slips is taken from the step before.
     """
     change, edge = effects[_CHANGE], effects[EDGE]
     spread, tip = effects[SPREAD], effects[TIP]
@@ -152,6 +172,10 @@ def friction_of_contacts(
         mu = obstacles[marks[c, MARKS.who], OBSTACLES.friction]
         if marks[c, MARKS.who] < probes:
             mu *= faded
+            if effects[SLOWNESS] != 0.0:
+                slip = obstacles[marks[c, MARKS.who], OBSTACLES.slip] / effects[_SLOW_SPEED]
+                left = np.exp(-slip) if effects[_SLOW_FORM] == 0.0 else 1.0 / (1.0 + slip)
+                mu *= 1.0 + effects[SLOWNESS] * left
         if spread != 0.0 and marks[c, MARKS.who] == tip:
             mu *= 1.0 + spread
         if (

@@ -163,8 +163,8 @@ def part_geometry(ranges: Ranges, _: Budget) -> Absorbed:
 def part_skew(ranges: Ranges, _: Budget) -> Absorbed:
     """A rectangle of half sides a, b that is sheared by κ has edges that lean by κ at most.
 
-    With x → x + y tan κ those across x lean by κ, at a cos κ from the centre, and the others are where they were. With both by
-    half, t = tan(κ/2), all lean by κ/2, at a (1 - t²) / √(1 + t²) and b likewise: between a cos κ and a.
+    With x → x + y tan κ those across x lean by κ, at a cos κ from the centre, and the others are where they were; so do
+    those that converge, either way. With both by half, t = tan(κ/2), all lean by κ/2, at a (1 - t²) / √(1 + t²) and b likewise: between a cos κ and a.
     """
     lean = largest(ranges["angle_deg"])
     return Absorbed(said=f"every edge turned by ± {up_to(lean, 3)}° more", leans_deg=lean)
@@ -326,7 +326,7 @@ def drag_anisotropy(ranges: Ranges, _: Budget) -> Absorbed:
 
 
 def own_friction(ranges: Ranges, _: Budget) -> Absorbed:
-    """One edge has its own friction, or one tip: a tip has that of the edge that it touches."""
+    """One edge has its own friction, or one tip, or a tip that slips: a tip has what its touch has at the instant."""
     low, high = ranges["change"]
     factors = min(1.0, 1.0 + low), max(1.0, 1.0 + high)
     return Absorbed(

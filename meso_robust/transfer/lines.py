@@ -205,6 +205,14 @@ LINES: Mapping[str, Line] = {
         why="the μ of the tips differ",
         absorb=inflation.own_friction,
     ),
+    "friction_speed": Line(
+        premise=Premise.COULOMB_FRICTION,
+        claim="no-jam",
+        derivation="derivations/rotation_existence.py",
+        why="a tip that slips has another μ than one that sticks",
+        absorb=inflation.own_friction,
+        any_form=True,
+    ),
     "friction_drift": _one_point(
         "eq-5-ratio",
         Premise.COULOMB_FRICTION,
@@ -273,6 +281,7 @@ LINES: Mapping[str, Line] = {
         absorb=inflation.probe_drift,
     ),
     "camera_latency": _sensing("old poses are seen", inflation.camera_latency),
+    "log_latency": _sensing("poses are seen before the probe's", inflation.camera_latency),
     "clock_rate": _sensing("poses are seen too early or too late", inflation.clock_rate),
     "camera_scale": _sensing("lengths are seen too long", inflation.camera_scale),
     "camera_rotation": _sensing("the image is turned", inflation.camera_rotation),

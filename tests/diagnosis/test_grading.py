@@ -743,6 +743,7 @@ def test_a_further_effect_takes_away_much_everywhere_by_a_sure_amount_that_matte
     # nearly all that is left, unless its size is at the end of its range
     assert extended(late, monkeypatch, a_b=(2.5, 0.5)) == ("a", "(b)")
     assert extended(late, monkeypatch, a_b=(2.9, 0.5)) == ("a",)
+    assert extended(late, monkeypatch, a_b=(2.5, 0.1)) == ("a",)
     assert extended(late, monkeypatch, a_b=(2.5, 9.0), end=1.0) == ("a",)
     assert extended(late, monkeypatch, a_b=(5.0, 3.0), open_high=True) == ("a",)
     assert extended(late, monkeypatch, a_b=(one_fold, 9.0), a=(100.0, 9.0)) == ("a",)

@@ -54,10 +54,11 @@ NAMES = {
     "part_anisotropic_drag drag_centre_offset drag_gradient drag_drift breakaway_friction "
     "uneven_support sticky_spot inertia",
     "environment": "body_force film_flow wall_capillarity point_pull unmodelled_wall",
-    "contact": "tip_adhesion tip_attraction edge_dependent_friction friction_spread friction_drift",
+    "contact": "tip_adhesion tip_attraction edge_dependent_friction friction_spread friction_speed "
+    "friction_drift",
     "geometry": "part_geometry part_skew tip_radius reference_offset part_yaw",
     "actuation": "probe_compliance backlash probe_drift leadscrew_error",
-    "observation": "camera_latency clock_rate camera_scale camera_rotation camera_drift lens_distortion "
+    "observation": "camera_latency log_latency clock_rate camera_scale camera_rotation camera_drift lens_distortion "
     "camera_anisotropy registration_shift angle_error pixel_locking",
     "residual": "residual",
 }
@@ -85,6 +86,7 @@ ON: Values = {
     "sticky_spot": {"ratio": 2.0, "x_um": 300.0, "y_um": -200.0},
     "point_pull": {"pull_um_s": 8.0, "x_um": 400.0, "y_um": 300.0},
     "friction_drift": {"rate_percent_s": -100.0},
+    "friction_speed": {"change": -0.9, "speed_um_s": 30.0},
     "leadscrew_error": {"x_sine_um": 3.0, "y_cosine_um": -2.0, "period_um": 90.0},
     "inertia": {"time_ms": 40.0},
     "part_geometry": {"x_um": 15.0, "y_um": -6.0},
@@ -258,7 +260,7 @@ def test_every_effect_shows(name: str) -> None:
 RATE = {
     "dry_friction", "stribeck_friction", "breakaway_friction", "uneven_support", "body_force",
     "film_flow", "wall_capillarity", "tip_adhesion", "tip_attraction", "probe_compliance",
-    "probe_drift", "inertia", "point_pull", "friction_drift",
+    "probe_drift", "inertia", "point_pull", "friction_drift", "friction_speed",
 }  # fmt: skip
 # A gradient exp(g · x) of a film alone is the same at every place but for its scale.
 PLACE = {
@@ -483,9 +485,44 @@ def test_friction_that_drifts_is_what_has_become_of_it(form: float, lasted: floa
     assert np.abs(found - simulate(lifted({}, **given)).poses).max() > 1e-7
 
 
-def test_friction_of_a_wall_does_not_drift() -> None:
+@pytest.mark.parametrize("form", [0.0, 1.0])
+def test_a_tip_that_slips_has_the_friction_of_its_speed(form: float) -> None:
+    """A short push that slips, against friction that agrees with the slip that it leads to."""
+    x, y, seconds = 500 * UM, -HALF_SHORT - 0.1 * UM, 0.02
+    way = np.array([[[[x, y]], [[x + 1.6 * UM, y + 1.2 * UM]]]])
+    given: dict[str, Any] = {
+        "waypoints": way,
+        "times": np.array([[0.0, seconds]]),
+        "shapes": (Round(0.1 * UM),),
+        "step": 0.002 * UM,
+    }
+
+    def slip(mu: float) -> float:
+        px, py, turn = simulate(lifted({}, friction=np.array([[mu]]), **given)).poses[0]
+        along = (way[0, 1, 0] - [px, py]) @ [np.cos(turn), np.sin(turn)] - x
+        return float(abs(along) / seconds)
+
+    def left(mu: float) -> float:
+        of = slip(mu) / 20e-6
+        return float(np.exp(-of) if form == 0.0 else 1.0 / (1.0 + of))
+
+    mu = brentq(lambda mu: 0.1 * (1.0 + 3.0 * left(mu)) - mu, 0.1, 0.4, xtol=1e-6)
+    slow = {"change": 3.0, "speed_um_s": 20.0, "form": form}
+    found = simulate(lifted({"friction_speed": slow}, friction=np.array([[0.1]]), **given)).poses
+    assert 0.11 < mu < 0.3
+    close(found, simulate(lifted({}, friction=np.array([[mu]]), **given)).poses, 2e-10)
+
+
+@pytest.mark.parametrize(
+    "effect",
+    [
+        {"friction_drift": {"rate_percent_s": -50.0}},
+        {"friction_speed": {"change": 1.0 / np.e - 1.0}},
+    ],
+)
+def test_friction_of_a_wall_does_not_change(effect: Values) -> None:
     """The contacts of two probes and of what is no probe, after 2 s."""
-    effects = Effects({"friction_drift": {"rate_percent_s": -50.0}}).table[0]
+    effects = Effects(effect).table[0]
     obstacles = np.zeros((3, OBSTACLE_COLUMNS))
     obstacles[:, OBSTACLES.friction] = 0.2, 0.3, 0.4
     marks = np.zeros((4, MARK_COLUMNS), dtype=np.int64)
@@ -939,26 +976,38 @@ def test_part_geometry_is_another_outline() -> None:
 
 
 @pytest.mark.parametrize(
-    ("form", "leans"), [(0.0, (3.0, 0.0)), (1.0, (0.0, 3.0)), (2.0, (1.5, 1.5))]
+    ("form", "leans"),
+    [
+        (0.0, [3.0, 3.0, 0.0, 0.0]),
+        (1.0, [0.0, 0.0, 3.0, 3.0]),
+        (2.0, [1.5, 1.5, 1.5, 1.5]),
+        (3.0, [0.0, 0.0, 3.0, -3.0]),
+        (4.0, [3.0, -3.0, 0.0, 0.0]),
+    ],
 )
-def test_a_part_out_of_square_has_edges_that_lean(form: float, leans: tuple[float, float]) -> None:
+def test_a_part_out_of_square_has_edges_that_lean(form: float, leans: list[float]) -> None:
     """By the directions of its edges."""
     table = Effects({"part_skew": {"angle_deg": 3.0, "form": form}}).table
     found = outlines(rectangle(), table)[0]
-    x_edges, y_edges = (
-        [
-            (np.roll(found, -1, axis=0) - found)[k]
-            for k in range(4)
-            if abs((np.roll(rectangle(), -1, axis=0) - rectangle())[k, axis]) < 1e-9
-        ]
-        for axis in (0, 1)
+    sides = np.roll(found, -1, axis=0) - found
+    upright = np.abs(sides[:, 1]) > np.abs(sides[:, 0])
+    slopes = np.where(upright, sides[:, 0], sides[:, 1]) / np.where(upright, *sides.T[::-1])
+    told = np.degrees(np.arctan(slopes))
+    assert sorted(told[upright]) == pytest.approx(sorted(leans[:2]))
+    assert sorted(told[~upright]) == pytest.approx(sorted(leans[2:]))
+    # about the middle of its sides
+    assert np.mean(np.stack([found.min(axis=0), found.max(axis=0)]), axis=0) == pytest.approx(
+        [0.0, 0.0], abs=1e-12
     )
-    assert [np.degrees(np.arctan(x / y)) for x, y in x_edges] == pytest.approx(2 * [leans[0]])
-    assert [np.degrees(np.arctan(y / x)) for x, y in y_edges] == pytest.approx(2 * [leans[1]])
-    assert np.mean(found, axis=0) == pytest.approx([0.0, 0.0], abs=1e-12)
     want = simulate(replace(lifted({}), vertices=found))
     got = simulate(lifted({"part_skew": {"angle_deg": 3.0, "form": form}}))
     close(got.poses, want.poses, 1e-14)
+
+
+def test_a_part_whose_edges_would_meet_is_refused() -> None:
+    slender = rectangle(1000 * UM, 100 * UM)
+    with pytest.raises(ValueError, match=r"part_skew.*meet within the part"):
+        outlines(slender, Effects({"part_skew": {"angle_deg": 8.0, "form": 3.0}}).table)
 
 
 def test_tip_radius_is_another_tip() -> None:

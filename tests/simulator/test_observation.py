@@ -33,6 +33,7 @@ from meso_robust.simulator.observation import (
     CLOCK_RATE_PERCENT,
     LENS_DISTORTION_K1,
     LENS_DISTORTION_TURNED,
+    LOG_LATENCY_TIME,
     OBSERVATION,
     PIXEL_LOCKING,
     PIXEL_PITCH,
@@ -51,6 +52,7 @@ Floats = npt.NDArray[np.float64]
 TIMES = np.array([-0.5, 0.0, 0.125, 0.5, 2.0])
 SLOT_OF = {
     "camera_latency": (CAMERA_LATENCY_TIME,),
+    "log_latency": (LOG_LATENCY_TIME,),
     "clock_rate": (CLOCK_RATE_PERCENT,),
     "camera_scale": (CAMERA_SCALE_PERCENT, CAMERA_SCALE_ABOUT_X, CAMERA_SCALE_ABOUT_Y),
     "camera_rotation": (CAMERA_ROTATION_ANGLE, CAMERA_ROTATION_ABOUT_X, CAMERA_ROTATION_ABOUT_Y),
@@ -68,6 +70,7 @@ SLOT_OF = {
 }
 ON: dict[str, dict[str, float | Floats]] = {
     "camera_latency": {"time_ms": 60.0},
+    "log_latency": {"time_ms": 15.0},
     "clock_rate": {"percent": 4.0},
     "camera_scale": {"percent": 0.7, "about_x_um": 250.0, "about_y_um": -400.0},
     "camera_rotation": {"angle_deg": 1.3, "about_x_um": -600.0, "about_y_um": 150.0},
@@ -79,7 +82,7 @@ ON: dict[str, dict[str, float | Floats]] = {
     "registration_shift": {"x_um": 3.0, "y_um": -7.0},
 }
 
-CLOCK = ("camera_latency", "clock_rate")
+CLOCK = ("camera_latency", "log_latency", "clock_rate")
 
 
 def motion(runs: int = 3, tips: int = 2) -> tuple[Floats, Floats]:
@@ -105,9 +108,9 @@ def same_bits(a: Floats, b: Floats) -> bool:
 def test_the_stage_declares_its_effects_in_its_block_of_the_table() -> None:
     assert {effect.name for effect in OBSERVATION.effects} == set(SLOT_OF)
     slots = sorted(slot for group in SLOT_OF.values() for slot in group)
-    assert slots == list(range(OBSERVATION.base, OBSERVATION.base + 28))
+    assert slots == list(range(OBSERVATION.base, OBSERVATION.base + 29))
     table = Effects(ON).table[0]
-    expected = [0.06, 0.04, 0.007, 250e-6, -400e-6, math.radians(1.3), -600e-6, 150e-6]
+    expected = [0.06, 0.015, 0.04, 0.007, 250e-6, -400e-6, math.radians(1.3), -600e-6, 150e-6]
     expected += [0.4e-6, -0.2e-6, 1.0, 0.0, 1e4, 0.0]
     expected += [-0.004, 0.023, 0.002, 0.0]
     expected += [math.radians(0.5), math.radians(-0.3), 0.0, 2e-6, 1e-6, -1.5e-6, 0.5e-6, 50e-6]
@@ -283,7 +286,8 @@ def test_a_clock_of_another_rate_shows_a_steady_motion_faster_and_ends_earlier()
     times = np.linspace(0.0, 10.0, 101)
     speed = np.array([75e-6, -20e-6, 0.3])
     poses = np.array([1e-3, 2e-3, 3.0]) + speed * times[None, :, None]
-    table = Effects({"clock_rate": {"percent": 2.5}, "camera_latency": {"time_ms": 40.0}}).table
+    late = {"camera_latency": {"time_ms": 70.0}, "log_latency": {"time_ms": 30.0}}
+    table = Effects({"clock_rate": {"percent": 2.5}, **late}).table
     out, _ = observe(times, poses, np.zeros((1, 101, 0, 2)), table, probes_seen_by_camera=True)
     there = (times >= 0.1) & (times < 9.7)
     shown = poses[0, 0] + np.outer(1.025 * times[there] - 0.04, speed)

@@ -96,7 +96,7 @@ def test_sides_of_the_part_keep_their_interval() -> None:
     assert found.setup().uncertainty.size.hi == pytest.approx(1e-6)
 
 
-@pytest.mark.parametrize("form", [0.0, 1.0, 2.0])
+@pytest.mark.parametrize("form", [0.0, 1.0, 2.0, 3.0, 4.0])
 def test_edges_of_a_part_out_of_square_lie_within_the_tolerances(form: float) -> None:
     """Measured at the parts that the simulator makes of the task's, longer by an interval as well."""
     ends = {"part_skew.angle_deg": (-0.4, 1.2), "part_geometry.x_um": (2.0, 4.0)}
