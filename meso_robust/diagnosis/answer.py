@@ -212,12 +212,14 @@ def _why(found: Diagnosis) -> str:
     most = sum(grade.shares.get(name, 0.0) for name in main)
     disputed = any(set(main) < set(one.effects) for one in grade.alike)
     if found.verdict == "partial" and main and grade.beside and (most >= NAMED or disputed):
-        return f"{_explains(main, min(most, 1.0))}{_beside(grade, main)}{reach}"
+        return f"{_explains(grade, main, min(most, 1.0))}{_beside(grade, main)}{reach}"
     names, share = _by_share(grade), grade.explained.share
     if found.verdict == "ambiguous":
         others = _or((*grade.rivals, *grade.alike))
-        return f"{' + '.join(names)} explains the recordings, and so does {others}; they cannot be distinguished"
-    said = _explains(names, share)
+        return (
+            f"{_explains(grade, names, share)}, and so does {others}; they cannot be distinguished"
+        )
+    said = _explains(grade, names, share)
     if found.verdict == "named":
         adequate = grade.chosen.adequate and not grade.chosen.rejected
         return said + (", and leaves nothing that the detector sees" if adequate else reach)
@@ -236,8 +238,12 @@ def _each_push(own: EachPush) -> str:
     )
 
 
-def _explains(names: Sequence[str], share: float) -> str:
-    return f"{' + '.join(names)} explains {100.0 * share:.0f} % of the explainable error of recordings left out of the fit"
+def _explains(grade: Grade, names: Sequence[str], share: float) -> str:
+    return f"{' + '.join(names)} explains {100.0 * share:.0f} % of {_error(grade)}"
+
+
+def _error(grade: Grade) -> str:
+    return f"the explainable error of {UM * grade.size:.2g} um, in recordings left out of the fit"
 
 
 def _beside(grade: Grade, main: Sequence[str]) -> str:
@@ -261,13 +267,13 @@ def _unexplained(grade: Grade) -> str:
             "frames of that recording and at what lay in its way, or leave it out"
         )
     if grade.chosen is None or grade.explained is None:
-        return "no effect of the catalogue helps on recordings left out of the fit"
+        return f"no effect of the catalogue explains any of {_error(grade)}"
     names, share = " + ".join(_by_share(grade)), 100.0 * grade.explained.share
     if share <= 0.0:
         return (
             f"{names} fits best where it was fitted, and helps on no recordings left out of the fit"
         )
-    return f"{names} explains {share:.0f} % of the explainable error of recordings left out of the fit: too little for a name"
+    return f"{names} explains {share:.0f} % of {_error(grade)}: too little for a name"
 
 
 def _by_share(grade: Grade) -> tuple[str, ...]:
@@ -294,6 +300,8 @@ def _lacking(grade: Grade, explained: Explained) -> str:
         files, more = grade.spoilt[:_NAMED_FILES], len(grade.spoilt) - _NAMED_FILES
         others = f" and {counted(more, 'more recording')}" if more > 0 else ""
         return f"but with it {', '.join(files)}{others} would be predicted worse than without"
+    if grade.elsewhere:
+        return f"but what is left is in the {grade.remainder.stage}"
     if explained.low < SURE:
         return f"{100.0 * explained.low:.0f} % of it surely"
     return "not in every fold, or another set is likelier where both were fitted"

@@ -23,6 +23,7 @@ from meso_robust.diagnosis.controls import Control, Decoys, black_box, control, 
 from meso_robust.diagnosis.detect import Detected, detected, spans_of
 from meso_robust.diagnosis.document import Verdict
 from meso_robust.diagnosis.each_push import EachPush, each_push
+from meso_robust.diagnosis.flat import opened
 from meso_robust.diagnosis.folds import RollOut, bench_of, intervals_by_fold
 from meso_robust.diagnosis.grading import Grade, graded, sized
 from meso_robust.diagnosis.invariances import Pair
@@ -379,7 +380,7 @@ def _numbers(baseline: Baseline, refit: Refit, rolled: RollOut | None) -> tuple[
     """
     held = rolled is not None and rolled.weighed
     known = intervals_by_fold(rolled) if rolled and held else intervals_of(baseline, refit)
-    return widened(baseline, refit, roomier(refit, known))
+    return opened(baseline, refit, widened(baseline, refit, roomier(refit, known)))
 
 
 def _reach(parts: Split, where: Located | None, answer: Accepted | None) -> float | None:

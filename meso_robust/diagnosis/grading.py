@@ -43,6 +43,7 @@ RELEVANT = 1e-7
 """m: size of an error that matters, where no noise is known to compare it with."""
 RELEVANT_SHARE = 0.2
 """Of the noise, likewise."""
+_ALL_BUT_FORM = 0.9  # share, below which more is left than the form of a law makes
 _SEVERAL, _IN_ONE = 4, 0.8  # recordings, and the share that one of them has of what is left
 _LOOKED = 8  # recordings in which it is looked for where the rest is, those that have most of it
 
@@ -114,6 +115,8 @@ class Grade:
         other sets do without that explain as much.
     spoilt
         Files of recordings that the set predicts worse than the plain model: likewise.
+    elsewhere
+        Whether much is left, at a stage that none of the set's effects belongs to: likewise.
     """
 
     verdict: Verdict
@@ -133,6 +136,7 @@ class Grade:
     beside: Names = ()
     alike: tuple[Candidate, ...] = ()
     spoilt: tuple[str, ...] = ()
+    elsewhere: bool = False
 
 
 def graded(
@@ -206,13 +210,13 @@ def graded(
     named = effects if explained and explained.tells else ()
     stage = _stage_left(judge, recordings, named, by_effect, where, matters)
     cells = budget(tables, effects, stage) if missing else ()
+    # a law that is not the true one may make most of a motion, and leave the rest at another stage
+    elsewhere = bool(stage and explained and explained.share < _ALL_BUT_FORM) and not any(
+        stage_of(name).name == stage for name in effects
+    )
+    settled = not (beside or alike or elsewhere or judge.spoilt(effects))
     return Grade(
-        verdict=_verdict(
-            missing,
-            explained,
-            rivals,
-            everywhere and not (beside or alike or judge.spoilt(effects)),
-        ),
+        verdict=_verdict(missing, explained, rivals, everywhere and settled),
         bench=bench,
         plain=plain,
         extended=predicted[effects] if effects else None,
@@ -228,6 +232,7 @@ def graded(
         beside=beside,
         alike=alike,
         spoilt=judge.spoilt(effects),
+        elsewhere=elsewhere,
     )
 
 

@@ -23,6 +23,7 @@ _TAIL = 150e-6  # m: last part of a push that its end is extrapolated from
 _EXACT = np.array([0.3e-6, 0.3e-6, 0.3e-3])  # of that extrapolation, m and rad
 _SETTLED = 20e-6  # m: way after which a tip is taken to be in contact
 _STEADY = 3e-6  # m: by how much a gap may vary that is still one contact
+_LITTLE = 2e-3  # of the field of its way, that a tip goes on by where it moves
 _MOSTLY = 0.6  # of the frames
 
 
@@ -147,16 +148,22 @@ def _run(prepared: Prepared, r: int, sigma: Floats, correlation: float) -> Run |
     share = gap[k - 1, tip] / (gap[k - 1, tip] - gap[k, tip])
     contact = clock[k - 1] + share * (clock[k] - clock[k - 1])
     own = in_frame(way, start)
-    legs = np.diff(way[:, tip], axis=0)
+    little = _LITTLE * float(np.hypot(*np.ptp(way[:, tip], axis=0)))
+    corners = _corners(way[:, tip], little)
+    legs = np.diff(way[corners, tip], axis=0)
     along = np.append(0.0, np.cumsum(np.hypot(*legs.T)))
+    along = np.interp(clock, clock[corners], along)
     travel = along - np.interp(contact, clock, along)
-    turns = clock[1:-1][np.sum(legs[1:] * legs[:-1], axis=1) < 0.0]
+    turns = clock[corners][1:-1][np.sum(legs[1:] * legs[:-1], axis=1) < 0.0]
     later = turns[turns > contact]
+    # what follows is followed until the tip comes again
+    again = float(later[1]) if len(later) > 1 else np.inf
     end = float(later[0]) if len(later) else _stop(clock, travel, instants[-1])
     pushed = np.flatnonzero(whole & (instants >= contact) & (instants <= end))
     length = float(np.interp(end, clock, travel))
     if len(pushed) < FEWEST or length <= 0.0:
         return None
+    speed = length / max(end - float(contact), 1e-9)
     return Run(
         recording=r,
         file=prepared.files[r],
@@ -164,7 +171,7 @@ def _run(prepared: Prepared, r: int, sigma: Floats, correlation: float) -> Run |
         start_sigma=sigma * np.sqrt(longer(correlation) / len(still)),
         still=still,
         pushed=pushed,
-        after=np.flatnonzero(whole & (instants > end)),
+        after=np.flatnonzero(whole & (instants > end + little / speed) & (instants <= again)),
         clock=clock,
         travel=travel,
         way=own,
@@ -174,9 +181,21 @@ def _run(prepared: Prepared, r: int, sigma: Floats, correlation: float) -> Run |
         contact_s=float(contact),
         end_s=end,
         length=length,
-        speed=length / max(end - float(contact), 1e-9),
+        speed=speed,
         reversals=int(np.sum(turns < contact)),
     )
+
+
+def _corners(way: Floats, little: float) -> Ints:
+    """Waypoints (W, 2) at which a tip has gone on since the last one of them by more than a little, m.
+
+    In a log that is read from an encoder or an image a tip that rests goes back and forth by a little.
+    """
+    kept = [0]
+    for k in range(1, len(way)):
+        if np.hypot(*(way[k] - way[kept[-1]])) > little:
+            kept.append(k)
+    return np.array(kept)
 
 
 def _stop(clock: Floats, travel: Floats, last: float) -> float:

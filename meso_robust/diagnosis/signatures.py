@@ -29,7 +29,7 @@ _STRONGEST_LAY = 0.8
 _RATIOS = ("dry_friction", "stribeck_friction", "breakaway_friction", "uneven_support")
 _INSIDE = ("drag_centre_offset", "reference_offset", "registration_shift")
 """Effects whose place cannot be outside the part."""
-_IN_THE_IMAGE = ("camera_scale", "camera_rotation")
+_IN_THE_IMAGE = ("camera_scale", "camera_rotation", "lens_distortion")
 """Effects about the middle of an image, which lies within what the image shows."""
 
 

@@ -123,6 +123,12 @@ def _worn(effect: str, prepared: Prepared) -> Iterable[Trial]:
         yield Trial(effect=effect, sizes={"excess_um": 2.0}, shape={FORM: float(form)})
 
 
+def _late_tips(effect: str, prepared: Prepared) -> Iterable[Trial]:
+    """Each tip by itself, where some of the pushes are made with two: both alike are a late camera, or a late log."""
+    for form in range(len(CATALOGUE[effect].forms) if prepared.waypoints.shape[2] > 1 else 0):
+        yield Trial(effect=effect, sizes={"time_ms": 20.0}, shape={FORM: float(form)})
+
+
 def _meniscus(effect: str, prepared: Prepared) -> Iterable[Trial]:
     """Walls in eight directions, as near as the part ever came; strength and place are one number."""
     scale = 1e6 * REFERENCE_LENGTH / prepared.length
@@ -203,11 +209,11 @@ def shown(prepared: Prepared) -> Floats:
     return np.array([np.nanmin(places, axis=0) - reach, np.nanmax(places, axis=0) + reach])
 
 
-def _about_a_place(**size: float) -> Forms:
-    """An error of the image about the origin of the stage, or about a place that the image shows."""
+def _about_a_place(size: Mapping[str, float], **shape: float) -> Forms:
+    """An error of the image about the origin of the stage, or about a place that the image shows; with numbers of its form."""
 
     def forms(effect: str, prepared: Prepared) -> Iterable[Trial]:
-        yield Trial(effect=effect, sizes=size)
+        yield Trial(effect=effect, sizes=size, shape=shape, free=shape)
         scale = 1e6 * REFERENCE_LENGTH / prepared.length
         ends = scale * shown(prepared)
         places = itertools.product(*np.quantile(ends, (0.25, 0.75), axis=0).T.tolist())
@@ -215,8 +221,8 @@ def _about_a_place(**size: float) -> Forms:
             yield Trial(
                 effect=effect,
                 sizes=size,
-                shape={"about_x_um": x, "about_y_um": y},
-                free={"about_x_um": 100.0, "about_y_um": 100.0},
+                shape={"about_x_um": x, "about_y_um": y, **shape},
+                free={"about_x_um": 100.0, "about_y_um": 100.0, **shape},
             )
 
     return forms
@@ -399,6 +405,7 @@ TRIALS: Mapping[str, Try] = {
         "one long push along each axis, repeated a quarter of a turn of the screw further on",
         _waves("period_um", driven),
     ),
+    "tip_latency": Try("a push with both tips, and one with each", _late_tips),
     "probe_drift": Try("hold the tip on the part for ten seconds", _DRIFT),
     "camera_latency": Try("one push at three speeds, with sudden stops", sized(time_ms=20.0)),
     "log_latency": Try("one push at three speeds, with sudden stops", sized(time_ms=20.0)),
@@ -406,15 +413,15 @@ TRIALS: Mapping[str, Try] = {
         "one long push, and the same one after a rest of ten seconds", sized(percent=1.0)
     ),
     "camera_scale": Try(
-        "long pushes along x and along y; a calibration grid", _about_a_place(percent=0.3)
+        "long pushes along x and along y; a calibration grid", _about_a_place({"percent": 0.3})
     ),
     "camera_rotation": Try(
-        "long pushes along x and along y; a calibration grid", _about_a_place(angle_deg=0.2)
+        "long pushes along x and along y; a calibration grid", _about_a_place({"angle_deg": 0.2})
     ),
     "camera_drift": Try("ten seconds of camera without any motion", _DRIFT),
     "lens_distortion": Try(
         "pushes in the corners of the image; a calibration grid",
-        shaped({"k1_per_mm2": 0.003}, {"turned": 0.5}, turned=(0.5,)),
+        _about_a_place({"k1_per_mm2": 0.003}, turned=0.5),
     ),
     "camera_anisotropy": Try(
         "long pushes along x, along y and along both diagonals; a calibration grid",

@@ -125,7 +125,10 @@ def sway_of(rests: Sequence[Rest], frame_rate: float) -> Sway | None:
     if not cut:
         return None
     lasted = float(np.median([times[-1] - times[0] for times, _ in cut]))
-    rates = np.arange(_SLOWEST / lasted, _FASTEST * frame_rate, 1.0 / (_STEPS * lasted))
+    # of a clock in other units than the rate's: what is faster than frames come is not seen
+    seen_rate = 1.0 / float(np.median(np.concatenate([np.diff(times) for times, _ in cut])))
+    fastest = _FASTEST * min(frame_rate, seen_rate)
+    rates = np.arange(_SLOWEST / lasted, fastest, 1.0 / (_STEPS * lasted))
     moves = np.ptp(np.concatenate([poses for _, poses in cut]), axis=0)
     told = moves > _ROUNDING * np.abs(np.concatenate([poses for _, poses in cut])).max(axis=0)
     if not rates.size or not np.any(told):

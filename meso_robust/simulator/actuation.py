@@ -1,4 +1,4 @@
-"""From commanded to true probe positions: drift, lost motion, and bending under the contact force.
+"""From commanded to true probe positions: delay, drift, lost motion, and bending under the contact force.
 
 A probe is commanded along straight lines between waypoints. The mount drifts by ``d t``; lost motion
 of width b is the play operator ``u ← min(max(u, w − b/2), w + b/2)`` on each axis, or on one; a screw that turns
@@ -18,7 +18,8 @@ _UM, _DEG = 1e-6, np.pi / 180.0
 
 ACTUATION = Stage(
     name="actuation",
-    base=88,
+    base=84,
+    slots=20,
     effects=(
         Effect(
             name="probe_compliance",
@@ -70,6 +71,18 @@ ACTUATION = Stage(
             ),
         ),
         Effect(
+            name="tip_latency",
+            equation="true w(t) = w(t − τ), of one tip",
+            source="a controller of its own for each manipulator",
+            forms=("the first tip", "the second tip"),
+            parameters=(
+                Parameter(
+                    key="time_ms", unit="ms", to_si=1e-3, low=0.0, high=1.0,
+                    meaning="τ: by how much the tip comes later than its log says",
+                ),
+            ),
+        ),
+        Effect(
             name="leadscrew_error",
             equation="true w = w + s sin(2π w/p) + c cos(2π w/p) on each axis w of the mount",
             source="once a turn of a lead screw; A. H. Slocum, Precision Machine Design, 1992",
@@ -99,7 +112,9 @@ _DRIFT_FORM = ACTUATION.slot("probe_drift", FORM)
 _SCREW = ACTUATION.slot("leadscrew_error", "x_sine_um")
 _SCREW_PERIOD = ACTUATION.slot("leadscrew_error", "period_um")
 _SCREW_FORM = ACTUATION.slot("leadscrew_error", FORM)
-DRIVE_SLOTS = (_WIDTH, _DRIFT_X, _DRIFT_Y, _SCREW, _SCREW + 1, _SCREW + 2, _SCREW + 3)
+_LATE = ACTUATION.slot("tip_latency", "time_ms")
+_LATE_FORM = ACTUATION.slot("tip_latency", FORM)
+DRIVE_SLOTS = (_LATE, _WIDTH, _DRIFT_X, _DRIFT_Y, _SCREW, _SCREW + 1, _SCREW + 2, _SCREW + 3)
 """Columns of effects between the command and the driven position of a probe."""
 _APART = 2e-6  # m, up to which tips of one mount are logged as moving otherwise
 
@@ -138,6 +153,12 @@ def drive(effects: Floats, x: float, y: float, played: Floats) -> None:
     if behind > half:
         played[0] = x + half / behind * (played[0] - x)
         played[1] = y + half / behind * (played[1] - y)
+
+
+@sealed
+def lateness(effects: Floats, probe: int) -> float:
+    """By how much a tip comes later than commanded, s."""
+    return float(effects[_LATE]) if effects[_LATE_FORM] == probe else 0.0
 
 
 @sealed

@@ -13,6 +13,7 @@ _UM, _DEG = 1e-6, np.pi / 180.0
 GEOMETRY = Stage(
     name="geometry",
     base=72,
+    slots=12,
         effects=(
         Effect(
             name="part_geometry",

@@ -5,8 +5,8 @@ A pose x, θ of the part at time t is seen as
     y(t) = A S(D(R(φ) (x(t') - m) + m)) + d t + c,    D(r) = r (1 + k1 |r|²),    S(r) = r + s (r - m'),
     θ_seen(t) = θ(t') + φ + q ψ,    t' = (1 + r) t - τ + λ,    tan ψ = 2 k1 (r·h) (h×r) / (1 + k1 r² + 2 k1 (r·h)²),
 
-world frame, about the world origin but for rotation and scale, which have middles m and m' of their
-own: delay τ and rate r of the camera's clock, delay λ of the tips' log, rotation φ of the image against the stage, lens D, error s of the scale, stretch A of the
+world frame, about the world origin but for rotation, lens and scale, which have middles of their
+own, m, m'' and m': delay τ and rate r of the camera's clock, delay λ of the tips' log, rotation φ of the image against the stage, lens D, error s of the scale, stretch A of the
 axes, drift d and shift c. The lens shears what is off its axis; ψ is the angle by which the
 x axis h of a part at r is turned by that, and q the share of it that the tracker takes for a turn. A tracker
 may be off by a wave in the angle of the part, and by one in the place in the image. Then `sense` samples at the frames of the camera, adds noise and
@@ -154,7 +154,7 @@ OBSERVATION = Stage(
         ),
         Effect(
             name="lens_distortion",
-            equation="y = x (1 + k1 |x|²) about the world origin, θ_seen = θ + q ψ, ψ the angle by "
+            equation="y = m + r (1 + k1 |r|²), r = x − m, θ_seen = θ + q ψ, ψ the angle by "
             "which its shear turns the part's x axis",
             source="first radial term of Weng, Cohen and Herniou 1992, doi:10.1109/34.159901",
             parameters=(
@@ -176,6 +176,7 @@ OBSERVATION = Stage(
                     high=1.5,
                     size=False,
                 ),
+                *_middle("the axis of the lens goes through"),
             ),
         ),
         Effect(
@@ -298,6 +299,8 @@ CAMERA_DRIFT_Y = OBSERVATION.slot("camera_drift", "y_um_s")
 CAMERA_DRIFT_TIME = OBSERVATION.slot("camera_drift", "time_s")
 CAMERA_DRIFT_FORM = OBSERVATION.slot("camera_drift", FORM)
 LENS_DISTORTION_K1 = OBSERVATION.slot("lens_distortion", "k1_per_mm2")
+LENS_DISTORTION_ABOUT_X = OBSERVATION.slot("lens_distortion", "about_x_um")
+LENS_DISTORTION_ABOUT_Y = OBSERVATION.slot("lens_distortion", "about_y_um")
 LENS_DISTORTION_TURNED = OBSERVATION.slot("lens_distortion", "turned")
 CAMERA_ANISOTROPY_X = OBSERVATION.slot("camera_anisotropy", "x_percent")
 CAMERA_ANISOTROPY_Y = OBSERVATION.slot("camera_anisotropy", "y_percent")
@@ -312,6 +315,7 @@ ANGLE_ERROR_FORM = OBSERVATION.slot("angle_error", FORM)
 PIXEL_LOCKING = OBSERVATION.slot("pixel_locking", "x_sine_um")
 PIXEL_PITCH = OBSERVATION.slot("pixel_locking", "pitch_um")
 
+_LENS_ABOUT = [LENS_DISTORTION_ABOUT_X, LENS_DISTORTION_ABOUT_Y]
 _SCALE_ABOUT = [CAMERA_SCALE_ABOUT_X, CAMERA_SCALE_ABOUT_Y]
 _ROTATION_ABOUT = [CAMERA_ROTATION_ABOUT_X, CAMERA_ROTATION_ABOUT_Y]
 _TIMES = np.array([4.0, 2.0, 1.0])  # a turn, by the form of an angle's error
@@ -472,7 +476,7 @@ def unseen(times: Floats, points: Floats, effects_table: Floats) -> Floats:
     error = table[:, None, None, None, CAMERA_SCALE_PERCENT]
     shown += error * table[:, None, None, _SCALE_ABOUT]
     shown /= 1.0 + error
-    _straighten(shown, table[:, LENS_DISTORTION_K1])
+    _straighten(shown, table[:, LENS_DISTORTION_K1], table[:, _LENS_ABOUT])
     _rotate(shown, -table[:, CAMERA_ROTATION_ANGLE], table[:, _ROTATION_ABOUT])
     return np.asarray(shown)
 
@@ -539,7 +543,7 @@ def sense(
 def _show(times: Floats, points: Floats, table: Floats) -> None:
     """Take points (N, T, Q, 2) through rotation, lens, scale, pixels and drift."""
     _rotate(points, table[:, CAMERA_ROTATION_ANGLE], table[:, _ROTATION_ABOUT])
-    _distort(points, table[:, LENS_DISTORTION_K1])
+    _distort(points, table[:, LENS_DISTORTION_K1], table[:, _LENS_ABOUT])
     _scale(points, table[:, CAMERA_SCALE_PERCENT], table[:, _SCALE_ABOUT])
     _deform(points, table)
     _lock(points, table)
@@ -575,6 +579,7 @@ def _shear(poses: Floats, table: Floats) -> None:
         return
     points = poses[on, :, None, :2].copy()
     _rotate(points, table[on, CAMERA_ROTATION_ANGLE], table[on][:, _ROTATION_ABOUT])
+    points -= table[on][:, None, None, _LENS_ABOUT]
     x, y, angle = points[..., 0, 0], points[..., 0, 1], poses[on, :, 2]
     along, across = x * np.cos(angle) + y * np.sin(angle), y * np.cos(angle) - x * np.sin(angle)
     k = k1[on, None]
@@ -667,29 +672,32 @@ def _rotate(points: Floats, angle: Floats, about: Floats) -> None:
     points[on] = np.stack((cos * x - sin * y, sin * x + cos * y), axis=-1) + middle
 
 
-def _distort(points: Floats, k1: Floats) -> None:
+def _distort(points: Floats, k1: Floats, about: Floats) -> None:
     on = k1 != 0.0
     if not on.any():
         return
-    bulge = k1[on, None, None] * np.sum(points[on] ** 2, axis=-1)
+    away = points[on] - about[on, None, None]
+    bulge = k1[on, None, None] * np.sum(away**2, axis=-1)
     if np.any(1.0 + 3.0 * bulge <= 0.0):
         value = f"k1 r² = {np.nanmin(bulge):.3g}"
         rule = "must be above -1/3, where the lens folds the image over"
-        _refuse("lens_distortion", value, rule, "lower |k1_per_mm2| or move the world origin")
-    points[on] *= 1.0 + bulge[..., None]
+        _refuse("lens_distortion", value, rule, "lower |k1_per_mm2| or move its middle")
+    points[on] += bulge[..., None] * away
 
 
-def _straighten(points: Floats, k1: Floats) -> None:
+def _straighten(points: Floats, k1: Floats, about: Floats) -> None:
     """Solve r (1 + k1 r²) = R for the distance r from the axis, by Newton's rule."""
     on = k1 != 0.0
-    far = np.hypot(points[on, ..., 0], points[on, ..., 1])
+    away = points[on] - about[on, None, None]
+    far = np.hypot(away[..., 0], away[..., 1])
     k = np.broadcast_to(k1[on, None, None], far.shape)
     most = np.where(k < 0.0, 1.0 / np.sqrt(np.maximum(-3.0 * k, 1e-300)), np.inf)
     r = np.minimum(far, most)
     for _ in range(_ROUNDS):
         slope = np.maximum(1.0 + 3.0 * k * r**2, _LEAST)
         r = np.clip(r - (r * (1.0 + k * r**2) - far) / slope, 0.0, most)
-    points[on] *= np.where(far > 0.0, r / np.maximum(far, 1e-300), 1.0)[..., None]
+    nearer = np.where(far > 0.0, r / np.maximum(far, 1e-300), 1.0) - 1.0
+    points[on] += nearer[..., None] * away
 
 
 def _scale(points: Floats, error: Floats, about: Floats) -> None:

@@ -22,7 +22,7 @@ holds, the solution of that mode is taken.
 import numpy as np
 
 from meso_robust.kernels import part, sealed
-from meso_robust.simulator.actuation import COMPLIANCE, bending, drifted, drive, screwed
+from meso_robust.simulator.actuation import COMPLIANCE, bending, drifted, drive, lateness, screwed
 from meso_robust.simulator.advance import advance, closes, is_ambiguous
 from meso_robust.simulator.case import (
     AHEAD,
@@ -137,6 +137,17 @@ def _commanded(case: Case, leg: int, p: int, within: bool, share: float) -> tupl
     return x, before[1] + (after[1] - before[1]) * share
 
 
+@sealed
+def _before(case: Case, leg: int, p: int, time: float) -> tuple[float, float]:
+    """Command of a probe at an instant that is not after a leg, or its first one, m."""
+    while leg > 0 and case.legs[leg, 0] > time:
+        leg -= 1
+    if case.legs[leg, 0] >= time:
+        return case.waypoints[0, p, 0], case.waypoints[0, p, 1]
+    lasts = case.legs[leg + 1, 0] - case.legs[leg, 0]
+    return _commanded(case, leg, p, True, (time - case.legs[leg, 0]) / lasts)
+
+
 @part
 def _drive(case: Case, driven: bool, state: State, leg: int, step: int, n: int, dt: float) -> float:
     """Write the displacements of the tips in the next step; return the unit of length."""
@@ -148,6 +159,9 @@ def _drive(case: Case, driven: bool, state: State, leg: int, step: int, n: int, 
         length = 0.0
         x, y = _commanded(case, leg, p, step + 1 < n, share)
         if driven:
+            late = lateness(case.effects, p)
+            if late > 0.0:
+                x, y = _before(case, leg, p, time + case.legs[0, 0] - late)
             mount = int(obstacles[p, OBSTACLES.mount])
             mount_x, mount_y = _commanded(case, leg, mount, step + 1 < n, share)
             played = obstacles[p, OBSTACLES.played_x : OBSTACLES.played_x + 2]

@@ -419,20 +419,21 @@ def camera_scale(ranges: Ranges, budget: Budget) -> Absorbed:
 
 
 def lens_distortion(ranges: Ranges, budget: Budget) -> Absorbed:
-    """|k1| |x|³, and |q| arcsin(b / (1 - 2 b)) of the orientation, b = |k1| |x|².
+    """|k1| r³, and |q| arcsin(b / (1 - 2 b)) of the orientation, b = |k1| r², r = |x| + |m|.
 
     A symmetric matrix turns a vector by at most the arcsine of the difference of its eigenvalues over
-    their sum; those of the lens are 1 + k1 |x|² and 1 + 3 k1 |x|². Where the latter vanishes, the
+    their sum; those of the lens are 1 + k1 |x - m|² and 1 + 3 k1 |x - m|². Where the latter vanishes, the
     lens folds the image over, and no orientation is bounded.
     """
-    bulge = largest(ranges["k1_per_mm2"]) * (1e-3 * budget.radius_um) ** 2
+    reach = budget.radius_um + _from_origin(ranges)
+    bulge = largest(ranges["k1_per_mm2"]) * (1e-3 * reach) ** 2
     share = largest(ranges.get("turned", NOTHING))
     folds = 3.0 * bulge >= _NEARLY
     turn = 180.0 if folds else math.degrees(share * math.asin(bulge / (1.0 - 2.0 * bulge)))
-    far, turned = rounded_up(bulge * budget.radius_um), rounded_up(turn) if share else 0.0
+    far, turned = rounded_up(bulge * reach), rounded_up(turn) if share else 0.0
     return Absorbed(
-        said=f"sensed position ± {far:g} µm and orientation ± {turned:g}° more: |k1| |x|³ and "
-        f"|q| arcsin(b / (1 - 2 b)), b = |k1| |x|², {_place(budget)}",
+        said=f"sensed position ± {far:g} µm and orientation ± {turned:g}° more: |k1| r³ and "
+        f"|q| arcsin(b / (1 - 2 b)), b = |k1| r², r = |x| + |m|, {_place(budget)}",
         sensed_um=far,
         turned_deg=turned,
         bounded_by="place",

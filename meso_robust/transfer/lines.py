@@ -264,6 +264,12 @@ LINES: Mapping[str, Line] = {
         "a tip lags by half the lost motion while it pushes, and may start anywhere in it",
         inflation.backlash,
     ),
+    "tip_latency": Line(
+        premise=Premise.TRAVEL_STRAIGHT,
+        claim="closed-form-motion",
+        derivation="derivations/sticking_motion.py",
+        why="a tip that comes later than the other one leaves it alone with the part: the pair does not travel as commanded",
+    ),
     "leadscrew_error": Line(
         premise=Premise.TRAVEL_STRAIGHT,
         claim="closed-form-motion",

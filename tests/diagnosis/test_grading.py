@@ -100,6 +100,21 @@ def test_what_has_no_sure_size_has_no_name(late: Diagnosis) -> None:
     assert "but the recordings do not agree on the size of camera_latency" in _why(words)
 
 
+def test_a_set_that_leaves_much_at_another_stage_is_not_named(
+    late: Diagnosis, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A late camera explains all of it; it is held to more than that, and to what is left being elsewhere."""
+    grading = "meso_robust.diagnosis.grading"
+    monkeypatch.setattr(f"{grading}._stage_left", lambda *_: "support")
+    assert not again(late).elsewhere
+    monkeypatch.setattr(f"{grading}._ALL_BUT_FORM", 1.1)
+    grade = again(late)
+    assert (grade.verdict, grade.elsewhere) == ("partial", True)
+    assert "but what is left is in the support" in _why(replace(late, grade=grade))
+    monkeypatch.setattr(f"{grading}._stage_left", lambda *_: "observation")
+    assert again(late).verdict == "named"
+
+
 def test_without_a_set_a_mismatch_that_matters_is_unknown() -> None:
     assert _verdict(True, None, ()) == "unknown"
     assert _verdict(False, None, ()) == "consistent"

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from meso_robust.diagnosis.invariances import Pair, compared, pairs, symmetries
+from meso_robust.diagnosis.runs import runs_of
 from meso_robust.identification.prepared import Prepared, prepare
 from meso_robust.recordings.outline import gyration
 from tests.diagnosis.designs import SIGMA, Given, Plan, random_plans, recorded_plans
@@ -156,3 +157,33 @@ def test_predictions_are_held_against_the_same_tests() -> None:
         assert right[k].sigma == pytest.approx(found[k].sigma, abs=3.0)
         assert wrong[k].sigma < 1.5  # unequal starts only
         assert found[k].sigma > 5.0
+
+
+def test_a_tip_that_rests_in_a_noisy_log_neither_turns_nor_pushes() -> None:
+    """The log of an encoder, of 0.05 um, with a break of a second in the middle of every push."""
+    plain = twins_seen(None, 3)
+    rng = np.random.default_rng(8)
+    middle = [0.5 * (run.contact_s + run.end_s) for run in runs_of(plain, SIGMA, 0.0)]
+    assert len(middle) == len(plain.files)
+    grid = np.linspace(plain.times[:, 0], plain.times[:, -1] + 1.0, 400, axis=1)
+    before = np.array(
+        [np.where(t < m, t, np.maximum(t - 1.0, m)) for t, m in zip(grid, middle, strict=True)]
+    )
+    way = np.stack(
+        [
+            [np.interp(b, t, of) for of in w.reshape(len(w), -1).T]
+            for b, t, w in zip(before, plain.times, plain.waypoints, strict=True)
+        ]
+    )
+    way = np.moveaxis(way, 1, 2).reshape(len(grid), 400, -1, 2)
+    broken = replace(
+        plain,
+        times=grid,
+        waypoints=way + rng.normal(0.0, 0.05 * UM, way.shape),
+        instants=plain.instants + (plain.instants > np.array(middle)[:, None]),
+    )
+    for one, other in zip(runs_of(plain, SIGMA, 0.0), runs_of(broken, SIGMA, 0.0), strict=True):
+        assert other.end_s == pytest.approx(one.end_s + 1.0, abs=0.1)
+        assert other.reversals == one.reversals
+        assert other.length == pytest.approx(one.length, abs=2 * UM)
+        assert set(one.after) - set(other.after) <= set(one.after[:3])

@@ -96,7 +96,10 @@ def test_another_frame_rate_is_named_and_milliseconds_are_guessed() -> None:
     assert slow.value == "steps of 0.1 s, that is 10 Hz"
     assert "ms" not in slow.advice
     (wrong,) = problems(planted(times=1000.0 * np.arange(FRAMES) / RATE))
-    assert "the clock may be in ms" in wrong.advice
+    assert (wrong.severity, wrong.advice) == ("error", "the clock is in ms: divide it by 1000")
+    (fast,) = problems(planted(times=np.arange(FRAMES) / (1.2 * RATE)))
+    assert (fast.severity, fast.kind) == ("warning", "frame_rate")
+    assert not problems(planted(times=np.arange(FRAMES) / (1.02 * RATE)))
 
 
 @pytest.mark.parametrize("count", [0, 1, 2, 9])

@@ -57,7 +57,7 @@ NAMES = {
     "contact": "tip_adhesion tip_attraction edge_dependent_friction friction_spread friction_speed "
     "friction_drift",
     "geometry": "part_geometry part_skew tip_radius reference_offset part_yaw",
-    "actuation": "probe_compliance backlash probe_drift leadscrew_error",
+    "actuation": "probe_compliance backlash probe_drift tip_latency leadscrew_error",
     "observation": "camera_latency log_latency clock_rate camera_scale camera_rotation camera_drift lens_distortion "
     "camera_anisotropy registration_shift angle_error pixel_locking",
     "residual": "residual",
@@ -96,6 +96,7 @@ ON: Values = {
     "part_yaw": {"angle_deg": 0.8},
     "probe_compliance": {"time_ms": 80.0},
     "backlash": {"width_um": 6.0},
+    "tip_latency": {"time_ms": 150.0},
     "probe_drift": {"x_um_s": 1.5, "y_um_s": -2.0},
 }
 
@@ -260,7 +261,7 @@ def test_every_effect_shows(name: str) -> None:
 RATE = {
     "dry_friction", "stribeck_friction", "breakaway_friction", "uneven_support", "body_force",
     "film_flow", "wall_capillarity", "tip_adhesion", "tip_attraction", "probe_compliance",
-    "probe_drift", "inertia", "point_pull", "friction_drift", "friction_speed",
+    "probe_drift", "inertia", "point_pull", "friction_drift", "friction_speed", "tip_latency",
 }  # fmt: skip
 # A gradient exp(g · x) of a film alone is the same at every place but for its scale.
 PLACE = {
@@ -686,6 +687,40 @@ def test_a_part_may_start_where_the_screw_takes_the_tip_away() -> None:
     np.testing.assert_array_equal(still, np.zeros((1, 3)))
     with pytest.raises(ValueError, match="starts 3 µm inside"):
         lifted({}, **given)
+
+
+def test_a_late_tip_of_two_is_where_it_was_commanded_before() -> None:
+    """Against commands that say so: the second tip starts 0.4 s later."""
+    way = np.zeros((1, 4, 2, 2))
+    way[0, :, 0] = np.array([-300 * UM, -HALF_SHORT - 16 * UM])
+    way[0, :, 1] = np.array([300 * UM, -HALF_SHORT - 16 * UM])
+    way[0, 1:, 0, 1] += 60 * UM
+    way[0, 2:, 1, 1] += 60 * UM
+    way[0, 2:, 0, 1] += 20 * UM
+    given: dict[str, Any] = {
+        "shapes": (Round(15 * UM), Round(15 * UM)),
+        "support": Film.ratio(RHO),
+        "friction": np.array([[0.2, 0.2]]),
+        "time_step": 1e-3,
+        "step": 0.1 * UM,
+    }
+    times = np.array([[0.0, 1.0, 2.0, 3.0]])
+    late = Effects({"tip_latency": {"time_ms": 400.0, "form": 1.0}})
+    found = simulate(replace(lifted({}, waypoints=way, times=times, **given), effects=late))
+    grid = np.unique(np.concatenate([times[0], np.minimum(times[0] + 0.4, 3.0)]))
+    told = np.stack(
+        [
+            np.stack([np.interp(grid - back, times[0], way[0, :, p, a]) for a in range(2)], axis=-1)
+            for p, back in ((0, 0.0), (1, 0.4))
+        ],
+        axis=1,
+    )[None]
+    want = simulate(lifted({}, waypoints=told, times=grid[None], **given))
+    close(found.poses, want.poses, 5e-8)
+    assert (
+        np.abs(found.poses - simulate(lifted({}, waypoints=way, times=times, **given)).poses).max()
+        > 1e-3
+    )
 
 
 def test_drift_of_the_mount_moves_a_touching_part() -> None:

@@ -31,6 +31,8 @@ from meso_robust.simulator.observation import (
     CAMERA_SCALE_ABOUT_Y,
     CAMERA_SCALE_PERCENT,
     CLOCK_RATE_PERCENT,
+    LENS_DISTORTION_ABOUT_X,
+    LENS_DISTORTION_ABOUT_Y,
     LENS_DISTORTION_K1,
     LENS_DISTORTION_TURNED,
     LOG_LATENCY_TIME,
@@ -57,7 +59,12 @@ SLOT_OF = {
     "camera_scale": (CAMERA_SCALE_PERCENT, CAMERA_SCALE_ABOUT_X, CAMERA_SCALE_ABOUT_Y),
     "camera_rotation": (CAMERA_ROTATION_ANGLE, CAMERA_ROTATION_ABOUT_X, CAMERA_ROTATION_ABOUT_Y),
     "camera_drift": (CAMERA_DRIFT_X, CAMERA_DRIFT_Y, CAMERA_DRIFT_TIME, CAMERA_DRIFT_FORM),
-    "lens_distortion": (LENS_DISTORTION_K1, LENS_DISTORTION_TURNED),
+    "lens_distortion": (
+        LENS_DISTORTION_K1,
+        LENS_DISTORTION_TURNED,
+        LENS_DISTORTION_ABOUT_X,
+        LENS_DISTORTION_ABOUT_Y,
+    ),
     "camera_anisotropy": (
         CAMERA_ANISOTROPY_X,
         CAMERA_ANISOTROPY_Y,
@@ -75,7 +82,7 @@ ON: dict[str, dict[str, float | Floats]] = {
     "camera_scale": {"percent": 0.7, "about_x_um": 250.0, "about_y_um": -400.0},
     "camera_rotation": {"angle_deg": 1.3, "about_x_um": -600.0, "about_y_um": 150.0},
     "camera_drift": {"x_um_s": 0.4, "y_um_s": -0.2},
-    "lens_distortion": {"k1_per_mm2": 0.01},
+    "lens_distortion": {"k1_per_mm2": 0.01, "about_x_um": 120.0, "about_y_um": -350.0},
     "camera_anisotropy": {"x_percent": -0.4, "y_percent": 2.3, "shear_percent": 0.2},
     "angle_error": {"sine_deg": 0.5, "cosine_deg": -0.3},
     "pixel_locking": {"x_sine_um": 2.0, "x_cosine_um": 1.0, "y_sine_um": -1.5, "y_cosine_um": 0.5},
@@ -108,10 +115,10 @@ def same_bits(a: Floats, b: Floats) -> bool:
 def test_the_stage_declares_its_effects_in_its_block_of_the_table() -> None:
     assert {effect.name for effect in OBSERVATION.effects} == set(SLOT_OF)
     slots = sorted(slot for group in SLOT_OF.values() for slot in group)
-    assert slots == list(range(OBSERVATION.base, OBSERVATION.base + 29))
+    assert slots == list(range(OBSERVATION.base, OBSERVATION.base + 31))
     table = Effects(ON).table[0]
     expected = [0.06, 0.015, 0.04, 0.007, 250e-6, -400e-6, math.radians(1.3), -600e-6, 150e-6]
-    expected += [0.4e-6, -0.2e-6, 1.0, 0.0, 1e4, 0.0]
+    expected += [0.4e-6, -0.2e-6, 1.0, 0.0, 1e4, 0.0, 120e-6, -350e-6]
     expected += [-0.004, 0.023, 0.002, 0.0]
     expected += [math.radians(0.5), math.radians(-0.3), 0.0, 2e-6, 1e-6, -1.5e-6, 0.5e-6, 50e-6]
     expected += [3e-6, -7e-6]
@@ -152,13 +159,14 @@ def test_rotation_scale_lens_stretch_drift_and_shift_are_those_of_complex_number
     values = {name: given for name, given in ON.items() if name not in CLOCK}
     out_poses, out_probes = seen(values)
     turn = cmath.rect(1.0, math.radians(1.3))
+    lens = complex(120e-6, -350e-6)
     turned_about, scaled_about = complex(-600e-6, 150e-6), complex(250e-6, -400e-6)
     for run, k in np.ndindex(3, TIMES.size):
         points = [poses[run, k, :2], *probes[run, k]]
         found = [out_poses[run, k, :2], *out_probes[run, k]]
         for point, image in zip(points, found, strict=True):
             z = (complex(*point) - turned_about) * turn + turned_about
-            z *= 1.0 + 0.01e6 * abs(z) ** 2
+            z += 0.01e6 * abs(z - lens) ** 2 * (z - lens)
             z = (z - scaled_about) * 1.007 + scaled_about
             z = complex(0.996 * z.real + 0.002 * z.imag, 0.002 * z.real + 1.023 * z.imag)
             x, y = (cmath.exp(2j * math.pi / 50e-6 * part) for part in (z.real, z.imag))
@@ -243,7 +251,7 @@ def test_points_that_lie_alike_in_their_pixels_are_drawn_alike() -> None:
 def test_what_is_shown_tells_where_it_is() -> None:
     effects = {name: of for name, of in ON.items() if name not in CLOCK}
     for sign in (1.0, -1.0):  # pincushion and barrel
-        effects["lens_distortion"] = {"k1_per_mm2": 0.02 * sign}
+        effects["lens_distortion"] = {"k1_per_mm2": 0.02 * sign, "about_x_um": 300.0}
         table = Effects(effects).table
         poses, probes = motion()
         _, tips = observe(TIMES, poses, probes, table, probes_seen_by_camera=True)

@@ -47,15 +47,17 @@ def _rate(view: View) -> list[Problem]:
         return []
     stated = view.recordings.sensor.frame_rate
     step = float(np.median(np.diff(view.times)))
-    thousand = "; the clock may be in ms" if 700.0 < step * stated < 1300.0 else ""
+    in_ms = 700.0 < step * stated < 1300.0
     return [
         view.problem(
             "frame_rate",
-            "warning",
+            "error" if in_ms else "warning",
             np.zeros(0, dtype=np.intp),
             f"steps of {step:.6g} s, that is {1.0 / step:.4g} Hz",
             f"set.toml states {stated:.6g} Hz",
-            f"correct frame_rate_hz or the clock{thousand}",
+            "the clock is in ms: divide it by 1000"
+            if in_ms
+            else "correct frame_rate_hz or the clock",
         )
     ]
 

@@ -123,13 +123,14 @@ class View:
         """Whether the clock's steps agree with the stated rate; true of fewer than five steps.
 
         One of three quantiles must: many lost frames make the median too long, stamps that come in
-        bursts make the lower ones too short.
+        bursts make the lower ones too short. Of a clock that is regular they are alike, and must agree closely.
         """
         steps = np.diff(self.times)
         if steps.size < 5:
             return True
         ratios = np.quantile(steps, (0.1, 0.25, 0.5)) * self.recordings.sensor.frame_rate
-        return bool(np.any((ratios > 0.7) & (ratios < 1.3)))
+        off = 0.15 if np.ptp(ratios) < 0.02 * ratios[1] else 0.3
+        return bool(np.any(np.abs(ratios - 1.0) < off))
 
     @cached_property
     def tip_speed(self) -> float:
