@@ -187,16 +187,21 @@ def _ended(found: Diagnosis) -> tuple[str, ...]:
 
 def _why(found: Diagnosis) -> str:
     detection, grade = found.detected.detection, found.grade
+    few = (
+        "; of one recording most physics does not show: record more pushes"
+        if grade.bench.count == 1
+        else ""
+    )
     if found.accepted is None:
         return (
             f"nothing beyond the refitted model is supported: the largest of {len(detection.tests)} "
-            f"tests is as large in {detection.p_value:.2g} of simulated sets without a mismatch"
+            f"tests is as large in {detection.p_value:.2g} of simulated sets without a mismatch{few}"
         )
     if found.verdict == "consistent":
         said = f"a mismatch is there, but its size in predictions is {UM * grade.size:.2g} um, "
         if grade.size < grade.relevant:
-            return f"{said}below the {UM * grade.relevant:.2g} um that matter"
-        return f"{said}which the noise of these recordings leaves by chance"
+            return f"{said}below the {UM * grade.relevant:.2g} um that matter{few}"
+        return f"{said}which the noise of these recordings leaves by chance{few}"
     if grade.bench.count == 1:
         return "there is one recording, which can only be predicted by a fit of itself: record more pushes"
     reach = f"; free hidden inputs would leave {np.sqrt(grade.floor):.3g} σ"

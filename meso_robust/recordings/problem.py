@@ -43,6 +43,7 @@ KINDS: Mapping[str, str] = {
     "noise": "noise differs from what is stated",
 }
 """Kinds of problems in words."""
+_LISTED = 4  # of one kind, in a terminal
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -82,6 +83,35 @@ class Problem:
             f"{self.severity}: {self.file}{where}: {KINDS[self.kind]}: {self.value}; {self.rule}; "
             f"{self.advice}"
         )
+
+
+def in_brief(problems: Sequence[Problem]) -> tuple[str, ...]:
+    """A line for each problem; where many are of one kind, for the first ones, and one for the others.
+
+    Parameters
+    ----------
+    problems
+        In their order.
+
+    Returns
+    -------
+    tuple of str
+        Lines.
+    """
+    kinds: dict[tuple[Severity, str], list[Problem]] = {}
+    for one in problems:
+        kinds.setdefault((one.severity, one.kind), []).append(one)
+    lines: list[str] = []
+    for (severity, kind), own in kinds.items():
+        most = len(own) if len(own) <= _LISTED + 1 else _LISTED
+        lines += map(str, own[:most])
+        if others := own[most:]:
+            files = counted(len({one.file for one in others}), "file")
+            more = f"{len(others)} times more, in {files}"
+            lines.append(
+                f"{severity}: {KINDS[kind]}: {more}; the report on the recordings lists all"
+            )
+    return tuple(lines)
 
 
 def lines_text(rows: Sequence[int], most: int = 8) -> str:

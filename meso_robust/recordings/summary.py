@@ -22,7 +22,7 @@ from meso_robust.recordings.noise import (
     systematic,
 )
 from meso_robust.recordings.phases import Phase, phases
-from meso_robust.recordings.problem import Problem
+from meso_robust.recordings.problem import Problem, in_brief
 from meso_robust.recordings.repair import LEFT_OUT, Repair
 from meso_robust.recordings.rules import DEG, UM
 from meso_robust.recordings.values import Recording, RecordingSet, unwrapped
@@ -318,7 +318,7 @@ def answer(checked: Checked, most: int = 20) -> str:
         f"{checked.verdict}: {counted(len(checked.recordings.recordings), 'recording')}, {counted(frames, 'row')}",
         *_few("repaired: ", checked.repairs, most),
         *left_out_words(checked),
-        *_few("", checked.matters, most),
+        *_few("", in_brief(checked.matters), most),
     ]
     if checked.direct is not None:
         lines += _few("direct test: ", words(checked.direct), most)

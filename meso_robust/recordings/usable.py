@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 from meso_robust.errors import InputError
 from meso_robust.recordings.direct.causes import likely_cause
 from meso_robust.recordings.document import SET_FILE
-from meso_robust.recordings.problem import Problem
+from meso_robust.recordings.problem import Problem, in_brief
 from meso_robust.recordings.problems import problems
 from meso_robust.recordings.repair import LEFT_OUT, UNSEEN, Repair, repairable, repaired
 from meso_robust.recordings.values import RecordingSet
@@ -55,7 +55,7 @@ class Usable:
         return (
             *([f"{len(files)} of {total} left out: {', '.join(files)}"] if files else []),
             *(f"left out: {one}" for one in self.left_out),
-            *(str(one) for one in self.remaining if one.severity != "information"),
+            *in_brief([one for one in self.remaining if one.severity != "information"]),
         )
 
 

@@ -18,7 +18,7 @@ from meso_robust.recordings import (
     write_set,
 )
 from meso_robust.recordings.loose import read_loosely
-from meso_robust.recordings.problem import KINDS, Problem, lines_text
+from meso_robust.recordings.problem import KINDS, Problem, in_brief, lines_text
 from meso_robust.recordings.problems import problems
 from meso_robust.recordings.summary import Checked, document
 from tests.recordings.planted import (
@@ -442,3 +442,23 @@ def test_no_set_is_too_wild_to_be_checked_and_written_down(seed: int) -> None:
     )
     assert json.dumps(document(checked), allow_nan=False)
     assert all(0 < row - 1 <= times.size for each in made for row in each.rows)
+
+
+def test_of_many_problems_of_a_kind_the_first_are_told_and_the_others_counted() -> None:
+    made = [
+        Problem(
+            file=f"push_{k // 2}.csv",
+            kind=kind,
+            severity="warning",
+            value=f"{k}",
+            rule="r",
+            advice="a",
+        )
+        for k, kind in enumerate(["jump"] * 5 + ["gap"] * 9)
+    ]
+    told = in_brief(made)
+    assert told[:5] == tuple(map(str, made[:5]))
+    assert told[5:9] == tuple(map(str, made[5:9]))
+    assert told[9:] == (
+        "warning: missing frames: 5 times more, in 3 files; the report on the recordings lists all",
+    )

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from meso_robust.recordings.phases import Phase, phases
+from meso_robust.recordings.problem import KINDS
 from meso_robust.recordings.problems import problems
 from meso_robust.recordings.summary import SCHEMA, Checked, answer, document, summary
 from tests.recordings.planted import BACK, FRAMES, RATE, STEP, TOUCH, UM, clean, one, planted, poses
@@ -132,5 +133,7 @@ def test_long_lists_are_cut_and_say_so() -> None:
     changed[50] = 0.0
     (zero,) = problems(planted(poses=changed))
     lines = answer(as_checked(remaining=(zero,) * 30), most=5).splitlines()
-    assert lines[-1] == "and 25 more, see the report"
-    assert len(lines) == 7
+    assert lines[-1].startswith("error: pose of zeros: not found: 26 times more, in 1 file; ")
+    assert len(lines) == 6
+    kinds = [replace(zero, kind=kind) for kind in KINDS][:7]
+    assert answer(as_checked(remaining=tuple(kinds)), most=5).endswith("and 2 more, see the report")
