@@ -21,6 +21,7 @@ from meso_robust.tracking.reading_ahead import read_ahead
 from meso_robust.tracking.scene import Scene as Scene, Start as Start
 from meso_robust.types import Flags, Floats, Image
 
+_UNSURE = 10.0  # times the standard deviation of a tip in most frames, from which on it is taken for unseen
 _MOTION_FRAMES = 300  # searched for moving probes
 _SIDES = 8  # pieces of an edge, so that its image may bend
 _MOVED = 5.0  # standard deviations between the frames around a repeated one
@@ -256,7 +257,23 @@ def _placed(
         spreads[:, p] = calibration.point_covariance(found.tips, found.covariances)
         for k in np.flatnonzero(np.isnan(found.tips[:, 0])):
             reasons[k][p] = reasons[k][p] or found.remark
+        for k in _unsure(spreads[:, p]):
+            places[k, p] = math.nan
+            spreads[k, p] = math.nan
+            reasons[k][p] = "its end is known far worse than in other frames"
     return places, spreads, tuple(map(tuple, reasons))
+
+
+def _unsure(spreads: Floats) -> list[int]:
+    """Frames in which a tip is known so much worse than in most, (T, 2, 2) m², that its neighbours tell better.
+
+    So where it is about to touch, and its end is hardly told from the part's edge.
+    """
+    seen = np.flatnonzero(np.isfinite(spreads).all(axis=(1, 2)))
+    if not seen.size:
+        return []
+    worst = np.sqrt(np.linalg.eigvalsh(spreads[seen])[:, -1])
+    return [int(k) for k in seen[worst > _UNSURE * np.median(worst)]]
 
 
 def _stale(repeats: list[bool], poses: Floats, covariances: Floats) -> list[int]:

@@ -23,6 +23,7 @@ from meso_robust.tracking.needle import Needle
 from meso_robust.tracking.probe_search import moving_needles, needle_at
 from meso_robust.tracking.probes import ProbeTracker, refined
 from meso_robust.tracking.tip_fit import Matte, fit_matte
+from meso_robust.tracking.track import _unsure
 from tests.tracking.pushes import HALF_SHORT, PART, PIXEL, RADIUS, push, rms
 
 Floats = npt.NDArray[np.float64]
@@ -308,3 +309,13 @@ def test_a_meniscus_does_not_draw_a_tip(seed: int) -> None:
     errors = refined(seen, needle, window).tips - truth
 
     assert abs(float(errors.mean(axis=0) @ [axis[0], -axis[1]])) < 0.05
+
+
+def test_a_tip_that_is_known_far_worse_than_in_most_frames_is_taken_for_unseen() -> None:
+    """By its worst direction; where it is always known as badly nothing is taken away."""
+    spreads = np.tile(np.diag([0.04, 0.2]), (9, 1, 1))
+    spreads[3] = [[160.0, 17.0], [17.0, 2.0]]
+    spreads[5] = np.diag([0.4, 2.0])
+    spreads[6] = np.nan
+    assert _unsure(spreads) == [3]
+    assert _unsure(900.0 * spreads[[0, 1, 2]]) == _unsure(spreads[6:7]) == []
