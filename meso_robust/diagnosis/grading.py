@@ -266,12 +266,13 @@ def _with_what_is_beside(
     """The set with further members, those of them that are told apart, and the sets that explain as much."""
     laws = tuple(one for one in alike if one_physics(chosen, one))
     longer = tuple(one for one in alike if one not in laws)
+    same: Sets = ()
     if laws:
         # which law it is does not tell what is beside it, and sets that have it were asked
         found = with_one_more(judge, (chosen, *laws), longer, matters)
         if found is None:
             return chosen, (), alike, judge
-        beside, same = slight(judge, found), ()
+        beside = slight(judge, found)
     elif _all_longer(longer, chosen):
         beside = slight(judge, chosen)
         found, more, same, judge = with_more(judge, naming, chosen, reach, matters, seed)

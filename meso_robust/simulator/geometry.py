@@ -36,12 +36,12 @@ GEOMETRY = Stage(
         ),
         Effect(
             name="part_skew",
-            equation="x → x + y tan κ",
+            equation="y → y + x tan κ",
             source="a mask or a cut that is out of square",
             forms=(
-                "edges across the part's x axis lean", "edges across the part's y axis lean",
-                "both do, by half", "edges across the part's y axis converge towards +x",
-                "edges across the part's x axis converge towards +y",
+                "edges across the part's y axis lean", "edges across the part's x axis lean",
+                "both do, by half", "edges across the part's y axis converge towards −x",
+                "edges across the part's x axis converge towards −y",
             ),
             parameters=(
                 Parameter(
@@ -88,7 +88,7 @@ _OUT_FORM = GEOMETRY.slot("part_geometry", FORM)
 _SKEW = GEOMETRY.slot("part_skew", "angle_deg")
 _SKEW_FORM = GEOMETRY.slot("part_skew", FORM)
 # by form: of edges across x, and across y
-_LEANING = np.array([[1.0, 0.0], [0.0, 1.0], [0.5, 0.5], [0.0, 0.0], [0.0, 0.0]])
+_LEANING = np.array([[0.0, 1.0], [1.0, 0.0], [0.5, 0.5], [0.0, 0.0], [0.0, 0.0]])
 _CONVERGING = np.array([*3 * [[0.0, 0.0]], [0.0, 1.0], [1.0, 0.0]])
 _SIDES = np.array([[0.0, 0.0], [1.0, 1.0], [1.0, -1.0], [-1.0, 1.0], [-1.0, -1.0]])
 EXCESS = GEOMETRY.slot("tip_radius", "excess_um")
@@ -127,7 +127,7 @@ def _skewed(corners: Floats, table: Floats) -> Floats:
     """Corners (N, V, 2) in m of parts that are out of square."""
     form = table[:, _SKEW_FORM].astype(int)
     lean, taper = (np.tan(table[:, _SKEW, None] * of[form]) for of in (_LEANING, _CONVERGING))
-    narrowed = 1.0 - (taper / (0.5 * np.ptp(corners, axis=-2)))[:, None] * corners[..., ::-1]
+    narrowed = 1.0 + (taper / (0.5 * np.ptp(corners, axis=-2)))[:, None] * corners[..., ::-1]
     for run in np.flatnonzero(np.any(narrowed <= 0.0, axis=(-1, -2))):
         refuse(
             "effects.part_skew",

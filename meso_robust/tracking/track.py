@@ -257,10 +257,9 @@ def _placed(
         spreads[:, p] = calibration.point_covariance(found.tips, found.covariances)
         for k in np.flatnonzero(np.isnan(found.tips[:, 0])):
             reasons[k][p] = reasons[k][p] or found.remark
-        for k in _unsure(spreads[:, p]):
-            places[k, p] = math.nan
-            spreads[k, p] = math.nan
-            reasons[k][p] = "its end is known far worse than in other frames"
+        for frame in _unsure(spreads[:, p]):
+            places[frame, p] = spreads[frame, p] = math.nan
+            reasons[frame][p] = "its end is known far worse than in other frames"
     return places, spreads, tuple(map(tuple, reasons))
 
 

@@ -163,8 +163,9 @@ def part_geometry(ranges: Ranges, _: Budget) -> Absorbed:
 def part_skew(ranges: Ranges, _: Budget) -> Absorbed:
     """A rectangle of half sides a, b that is sheared by κ has edges that lean by κ at most.
 
-    With x → x + y tan κ those across x lean by κ, at a cos κ from the centre, and the others are where they were; so do
-    those that converge, either way. With both by half, t = tan(κ/2), all lean by κ/2, at a (1 - t²) / √(1 + t²) and b likewise: between a cos κ and a.
+    With x → x + y tan κ, or y → y + x tan κ, those across one axis lean by κ, at a cos κ from the centre, and the
+    others are where they were; so do those that converge, either way. With both by half, t = tan(κ/2), all lean by
+    κ/2, at a (1 - t²) / √(1 + t²) and b likewise: between a cos κ and a.
     """
     lean = largest(ranges["angle_deg"])
     return Absorbed(said=f"every edge turned by ± {up_to(lean, 3)}° more", leans_deg=lean)

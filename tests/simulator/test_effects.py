@@ -90,7 +90,7 @@ ON: Values = {
     "leadscrew_error": {"x_sine_um": 3.0, "y_cosine_um": -2.0, "period_um": 90.0},
     "inertia": {"time_ms": 40.0},
     "part_geometry": {"x_um": 15.0, "y_um": -6.0},
-    "part_skew": {"angle_deg": 3.0, "form": 1.0},
+    "part_skew": {"angle_deg": 3.0},
     "tip_radius": {"excess_um": -4.0},
     "reference_offset": {"x_um": 20.0, "y_um": 9.0},
     "part_yaw": {"angle_deg": 0.8},
@@ -1013,8 +1013,8 @@ def test_part_geometry_is_another_outline() -> None:
 @pytest.mark.parametrize(
     ("form", "leans"),
     [
-        (0.0, [3.0, 3.0, 0.0, 0.0]),
-        (1.0, [0.0, 0.0, 3.0, 3.0]),
+        (1.0, [3.0, 3.0, 0.0, 0.0]),
+        (0.0, [0.0, 0.0, 3.0, 3.0]),
         (2.0, [1.5, 1.5, 1.5, 1.5]),
         (3.0, [0.0, 0.0, 3.0, -3.0]),
         (4.0, [3.0, -3.0, 0.0, 0.0]),
