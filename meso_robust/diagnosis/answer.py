@@ -299,6 +299,9 @@ def _lacking(grade: Grade, explained: Explained) -> str:
         return f"but the recordings do not agree on the size of {' and '.join(grade.unsure)}"
     if grade.beside:
         return f"but {' and '.join(grade.beside)} may be what another form of the rest leaves"
+    if grade.extended and grade.extended.alone:
+        told = " and ".join(f"of {effect} by {file}" for effect, file in grade.extended.alone)
+        return f"but that is told {told} alone: repeat that push"
     if explained.share < NAMED:
         return "not all of it"
     if grade.spoilt:

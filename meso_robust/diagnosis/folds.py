@@ -7,8 +7,9 @@ stated error only, it is taken to be where the recording itself says, for no oth
 beyond what the error makes likely, and the prediction pays for it.
 
 A number of the plain model that the other recordings tell next to nothing of, as friction where only
-the one left out slips, is taken from the fit to all: what nobody measured is no missing physics. Numbers
-of effects are never lent in this way.
+the one left out slips, is taken from the fit to all: what nobody measured is no missing physics. A number
+of an effect is never lent in this way. But a fit of the others does not move it, either: that it is told by one recording alone
+is kept, so that nobody takes that one to be predicted.
 
 In the fits a misfit is not noise. Frames at rest count by the noise of the camera, all others by what
 the model leaves of them, so that the many pushed frames of a model that is a little wrong do not drag
@@ -122,6 +123,8 @@ class RollOut:
         (R,) values of `Outcome`, of the predicted runs.
     weighed
         Whether the model leaves more than noise, so that its fits held starts where they were seen.
+    alone
+        Effects that one fold alone tells of, and the file of it that tells most.
     """
 
     model: Model
@@ -132,6 +135,7 @@ class RollOut:
     start_squares: Floats
     outcomes: Ints
     weighed: bool
+    alone: tuple[tuple[str, str], ...] = ()
 
 
 def bench_of(recordings: RecordingSet, baseline: Baseline, seed: int) -> Bench:
@@ -277,6 +281,7 @@ def rolled_out(bench: Bench, model: Model, values: Floats, plain: Floats | None 
         start_squares=_start_squares(bench, slopes),
         outcomes=outcomes,
         weighed=whole.weights is not None,
+        alone=_alone(bench, model, told),
     )
 
 
@@ -322,6 +327,22 @@ def _paid(bench: Bench, offsets: Floats) -> Floats:
         return np.zeros(len(offsets))
     counts = np.maximum(bench.seen.sum(axis=(1, 2)), 1)
     return np.asarray(np.sum((offsets / scale) ** 2, axis=1) / counts)
+
+
+def _alone(bench: Bench, model: Model, told: Floats) -> tuple[tuple[str, str], ...]:
+    """Effects whose sizes a fold alone tells of, by what recordings tell of each number (R, n)."""
+    sizes: dict[str, list[int]] = {}
+    for column in range(len(bench.baseline.model.parameters), len(model.parameters)):
+        one = model.parameters[column]
+        if one.size and np.any(told[:, column] > 0.0):
+            sizes.setdefault(one.key.partition(".")[0], []).append(column)
+    found = []
+    for effect, columns in sizes.items():
+        shares = told[:, columns] / told[:, columns].sum(axis=0)
+        for k in range(bench.count):
+            if bench.count > 1 and np.all(shares[bench.fold != k].sum(axis=0) < _UNTOLD):
+                found.append((effect, bench.prepared.files[int(np.argmax(shares[:, 0]))]))
+    return tuple(found)
 
 
 def _told(jacobian: Floats, count: int) -> Floats:

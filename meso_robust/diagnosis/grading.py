@@ -214,7 +214,8 @@ def graded(
     elsewhere = bool(stage and explained and explained.share < _ALL_BUT_FORM) and not any(
         stage_of(name).name == stage for name in effects
     )
-    settled = not (beside or alike or elsewhere or judge.spoilt(effects))
+    alone = predicted[effects].alone
+    settled = not (beside or alike or elsewhere or alone or judge.spoilt(effects))
     return Grade(
         verdict=_verdict(missing, explained, rivals, everywhere and settled),
         bench=bench,

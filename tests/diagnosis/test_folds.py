@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from meso_robust.diagnosis import folds
+from meso_robust.diagnosis.answer import _why
 from meso_robust.diagnosis.diagnose import Diagnosis
 from meso_robust.diagnosis.folds import RollOut, _step, _told, bench_of, rolled_out
 from meso_robust.identification.likelihood import fit_part
@@ -213,3 +214,23 @@ def test_friction_that_a_search_with_an_effect_ran_up_to_its_end_is_that_of_the_
     helped = rolled_out(bench, model, values, plain.values)
     assert helped.values[1] == pytest.approx(late.baseline.fits.values[0, 1], rel=0.05)
     assert helped.squares.sum() < 0.9 * alone.squares.sum()
+
+
+def test_an_effect_that_one_fold_alone_tells_of_is_known(late: Diagnosis) -> None:
+    """By what each recording tells of its number: all of it by one, or a part by another one too."""
+    found = late.grade.extended
+    assert found is not None
+    bench = late.grade.bench
+    assert found.alone == ()
+    told = np.zeros((len(bench.fold), len(found.model.parameters)))
+    told[:, :-1] = 1.0
+    told[3, -1] = 50.0
+    assert folds._alone(bench, found.model, told) == (("camera_latency", bench.prepared.files[3]),)
+    other = int(np.flatnonzero(bench.fold != bench.fold[3])[0])
+    told[other, -1] = 2.0
+    assert folds._alone(bench, found.model, told) == ()
+    told[:, -1] = 0.0
+    assert folds._alone(bench, found.model, told) == ()
+    alone = replace(found, alone=(("camera_latency", "push_03.csv"),))
+    words = replace(late, grade=replace(late.grade, verdict="partial", extended=alone))
+    assert "told of camera_latency by push_03.csv alone: repeat that push" in _why(words)
