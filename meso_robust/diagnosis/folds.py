@@ -7,9 +7,9 @@ stated error only, it is taken to be where the recording itself says, for no oth
 beyond what the error makes likely, and the prediction pays for it.
 
 A number of the plain model that the other recordings tell next to nothing of, as friction where only
-the one left out slips, is taken from the fit to all: what nobody measured is no missing physics. A number
-of an effect is never lent in this way. But a fit of the others does not move it, either: that it is told by one recording alone
-is kept, so that nobody takes that one to be predicted.
+the one left out slips, is taken from the fit to all: what nobody measured is no missing physics. Numbers of
+effects are not lent in this way, but a fit to recordings that do not tell one leaves it where it began, at the fit to all. So
+effects that one fold alone tells of are listed: that fold is not truly predicted.
 
 In the fits a misfit is not noise. Frames at rest count by the noise of the camera, all others by what
 the model leaves of them, so that the many pushed frames of a model that is a little wrong do not drag

@@ -112,6 +112,7 @@ class Absorbed:
 
 Absorb = Callable[[Ranges, Budget], Absorbed | None]
 """None: of that size nothing bounds it."""
+_PARALLELOGRAMS = 2.0  # last form of a part out of square whose opposite edges stay parallel
 _STEEPEST = 0.5  # slope of a wave from which on it is taken for a tip that may go back
 
 
@@ -160,13 +161,15 @@ def part_geometry(ranges: Ranges, _: Budget) -> Absorbed:
     )
 
 
-def part_skew(ranges: Ranges, _: Budget) -> Absorbed:
+def part_skew(ranges: Ranges, _: Budget) -> Absorbed | None:
     """A rectangle of half sides a, b that is sheared by κ has edges that lean by κ at most.
 
     With x → x + y tan κ, or y → y + x tan κ, those across one axis lean by κ, at a cos κ from the centre, and the
-    others are where they were; so do those that converge, either way. With both by half, t = tan(κ/2), all lean by
-    κ/2, at a (1 - t²) / √(1 + t²) and b likewise: between a cos κ and a.
+    others are where they were. With both by half, t = tan(κ/2), all lean by κ/2, at a (1 - t²) / √(1 + t²) and b
+    likewise: between a cos κ and a. A part that narrows has its centre of drag elsewhere, as no parallelogram has.
     """
+    if max(ranges.get("form", NOTHING)) > _PARALLELOGRAMS:
+        return None
     lean = largest(ranges["angle_deg"])
     return Absorbed(said=f"every edge turned by ± {up_to(lean, 3)}° more", leans_deg=lean)
 

@@ -266,7 +266,7 @@ def _first_budget(task: Task, document: ModelDocument, faster: float) -> Budget:
         ratio_um2=high,
         least_ratio_um2=low,
         slender=_slender(task, document),
-        rectangle=isinstance(task.part, Part),
+        rectangle=_rectangle(task, document),
         reach_um=reach_um(task),
         speed_um_s=faster * task.probe.speed_um_s,
         press=1.0,
@@ -292,7 +292,7 @@ def _within(
         kept = not _bounded(found) or enough(budget, need)
         if kept or wide.verdict is not Verdict.PROVED:
             break
-        budget = roomier(need)
+        budget = replace(roomier(need), rectangle=budget.rectangle)
     held = any(rule.single is not None for rule in plan.rules)
     return Recertified(
         document=document,
@@ -320,13 +320,23 @@ def _ratios(task: Task, document: ModelDocument) -> tuple[float, float]:
 
 def _slender(task: Task, document: ModelDocument) -> float:
     """Length over width; 0 of a polygon, or if the task or more than one effect keeps its film from being even."""
-    _, *effects = document.model.split("+")
-    uneven = sum(LINES[one].premise is Premise.FILM_DRAG for one in effects if one in LINES)
     u, part = task.uncertainty, task.part
     stated = bool(u.drag_centre_um or u.drag_anisotropy_percent)
-    if stated or uneven > 1 or isinstance(part, PolygonPart):
+    if stated or _uneven(document) > 1 or isinstance(part, PolygonPart):
         return 0.0
     return part.length_um / part.width_um
+
+
+def _rectangle(task: Task, document: ModelDocument) -> bool:
+    """Whether the part is a rectangle, and still one where a bound of its film is for that."""
+    skewed = "part_skew" in document.model.split("+")
+    return isinstance(task.part, Part) and not (skewed and _uneven(document))
+
+
+def _uneven(document: ModelDocument) -> int:
+    """How many effects of a model keep the film from being even."""
+    _, *effects = document.model.split("+")
+    return sum(LINES[one].premise is Premise.FILM_DRAG for one in effects if one in LINES)
 
 
 def _bounded(found: Sequence[Standing]) -> bool:
