@@ -85,7 +85,11 @@ def _adds(judge: Judge, part: Candidate, whole: Candidate, matters: float) -> bo
     if less.max() < matters**2 or not _takes(judge, part.effects, whole.effects):
         return False
     (own,) = (one for one in whole.refit.trials if one.effect not in part.effects)
-    of = {one.key: one for one in intervals_by_fold(judge.seen[whole.effects])}
+    rolled = judge.seen[whole.effects]
+    # what one push alone tells of was not predicted, but fitted
+    if any(effect == own.effect for effect, _ in rolled.alone):
+        return False
+    of = {one.key: one for one in intervals_by_fold(rolled)}
     sizes = [of.get(f"{own.effect}.{key}") for key in own.sizes]
     # of so many effects one is beyond nought by chance, but none takes away nearly all by chance; a size that runs to
     # the end of its range is none, nor is one that is nought as far as the folds tell: the rest was fitted again

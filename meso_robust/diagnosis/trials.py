@@ -158,6 +158,17 @@ def _slowing(**sizes: float) -> Forms:
     return forms
 
 
+def _creeping(effect: str, prepared: Prepared) -> Iterable[Trial]:
+    """Times a factor apart: from one that is far off the misfit is flat."""
+    for time in (0.2, 0.7, 2.5):
+        yield Trial(
+            effect=effect,
+            sizes={"percent": 3.0},
+            shape={"fade_s": time},
+            free={"fade_s": 0.3 * time},
+        )
+
+
 def _posts(effect: str, prepared: Prepared) -> Iterable[Trial]:
     """Posts about the last poses that no part was ever seen to overlap."""
     scale = 1e6 * REFERENCE_LENGTH / prepared.length
@@ -406,6 +417,10 @@ TRIALS: Mapping[str, Try] = {
         _waves("period_um", driven),
     ),
     "tip_latency": Try("a push with both tips, and one with each", _late_tips),
+    "probe_creep": Try(
+        "stop on the part after a long push and keep the camera running for ten seconds",
+        _creeping,
+    ),
     "probe_drift": Try("hold the tip on the part for ten seconds", _DRIFT),
     "camera_latency": Try("one push at three speeds, with sudden stops", sized(time_ms=20.0)),
     "log_latency": Try("one push at three speeds, with sudden stops", sized(time_ms=20.0)),

@@ -1,6 +1,7 @@
-"""From commanded to true probe positions: delay, drift, lost motion, and bending under the contact force.
+"""From commanded to true probe positions: delay, creep, drift, lost motion, and bending under the contact force.
 
-A probe is commanded along straight lines between waypoints. The mount drifts by ``d t``; lost motion
+A probe is commanded along straight lines between waypoints. A piezoelectric drive goes most of a way at once and creeps
+the rest of it, which decays with time. The mount drifts by ``d t``; lost motion
 of width b is the play operator ``u ← min(max(u, w − b/2), w + b/2)`` on each axis, or on one; a screw that turns
 out of true moves the mount back and forth by a wave in the place of its axis; a compliant probe
 stands at ``u + C f``, f the force on its tip. With forces over the film's drag the compliance is a
@@ -83,6 +84,21 @@ ACTUATION = Stage(
             ),
         ),
         Effect(
+            name="probe_creep",
+            equation="true w = command − c (command − z), z' = (command − z)/τ",
+            source="piezoelectric drives without feedback; S. Devasia et al. 2007, doi:10.1109/TCST.2007.903345",
+            parameters=(
+                Parameter(
+                    key="percent", unit="%", to_si=0.01, low=0.0, high=0.9,
+                    meaning="c: share of every way that comes later",
+                ),
+                Parameter(
+                    key="fade_s", unit="s", to_si=1.0, default=1.0, low=1e-2, high=1e3, size=False,
+                    meaning="τ: time in which what is left of it falls to 1/e",
+                ),
+            ),
+        ),
+        Effect(
             name="leadscrew_error",
             equation="true w = w + s sin(2π w/p) + c cos(2π w/p) on each axis w of the mount",
             source="once a turn of a lead screw; A. H. Slocum, Precision Machine Design, 1992",
@@ -114,7 +130,19 @@ _SCREW_PERIOD = ACTUATION.slot("leadscrew_error", "period_um")
 _SCREW_FORM = ACTUATION.slot("leadscrew_error", FORM)
 _LATE = ACTUATION.slot("tip_latency", "time_ms")
 _LATE_FORM = ACTUATION.slot("tip_latency", FORM)
-DRIVE_SLOTS = (_LATE, _WIDTH, _DRIFT_X, _DRIFT_Y, _SCREW, _SCREW + 1, _SCREW + 2, _SCREW + 3)
+_CREEP = ACTUATION.slot("probe_creep", "percent")
+_CREEP_TIME = ACTUATION.slot("probe_creep", "fade_s")
+DRIVE_SLOTS = (
+    _LATE,
+    _CREEP,
+    _WIDTH,
+    _DRIFT_X,
+    _DRIFT_Y,
+    _SCREW,
+    _SCREW + 1,
+    _SCREW + 2,
+    _SCREW + 3,
+)
 """Columns of effects between the command and the driven position of a probe."""
 _APART = 2e-6  # m, up to which tips of one mount are logged as moving otherwise
 
@@ -159,6 +187,31 @@ def drive(effects: Floats, x: float, y: float, played: Floats) -> None:
 def lateness(effects: Floats, probe: int) -> float:
     """By how much a tip comes later than commanded, s."""
     return float(effects[_LATE]) if effects[_LATE_FORM] == probe else 0.0
+
+
+@sealed
+def crept(effects: Floats, command: float, before: Floats, dt: float) -> float:
+    """Where a drive that creeps is along an axis, m.
+
+    Parameters
+    ----------
+    effects
+        (S,) values of the effects.
+    command
+        Along the axis at the end of a step, m; it changes evenly during the step.
+    before
+        (2,) the command, and what creeps after it, at the start of the step, m; receives both at its end.
+    dt
+        Duration of the step, s.
+    """
+    share, time = effects[_CREEP], effects[_CREEP_TIME]
+    if share == 0.0:
+        return command
+    # it follows an even motion at a distance, which is reached as the rest decays
+    distance = (command - before[0]) / dt * time
+    behind = distance + (before[0] - before[1] - distance) * np.exp(-dt / time)
+    before[0], before[1] = command, command - behind
+    return float(command - share * behind)
 
 
 @sealed

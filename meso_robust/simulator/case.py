@@ -96,6 +96,8 @@ def new_state(case: Case) -> State:
             if driven:
                 state.obstacles[p, OBSTACLES.x + a] += screwed(case.effects, a, place)
             state.obstacles[p, OBSTACLES.played_x + a] = case.waypoints[0, p, a]
+            for k in range(2):
+                state.obstacles[p, OBSTACLES.command_x + 2 * a + k] = case.waypoints[0, p, a]
     for k in range(6):
         state.space[FILM_NOW, k] = case.law[FILM + k]
     return state

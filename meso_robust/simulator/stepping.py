@@ -22,7 +22,15 @@ holds, the solution of that mode is taken.
 import numpy as np
 
 from meso_robust.kernels import part, sealed
-from meso_robust.simulator.actuation import COMPLIANCE, bending, drifted, drive, lateness, screwed
+from meso_robust.simulator.actuation import (
+    COMPLIANCE,
+    bending,
+    crept,
+    drifted,
+    drive,
+    lateness,
+    screwed,
+)
 from meso_robust.simulator.advance import advance, closes, is_ambiguous
 from meso_robust.simulator.case import (
     AHEAD,
@@ -164,6 +172,8 @@ def _drive(case: Case, driven: bool, state: State, leg: int, step: int, n: int, 
                 x, y = _before(case, leg, p, time + case.legs[0, 0] - late)
             mount = int(obstacles[p, OBSTACLES.mount])
             mount_x, mount_y = _commanded(case, leg, mount, step + 1 < n, share)
+            x = crept(case.effects, x, obstacles[p, OBSTACLES.command_x : OBSTACLES.command_y], dt)
+            y = crept(case.effects, y, obstacles[p, OBSTACLES.command_y :], dt)
             played = obstacles[p, OBSTACLES.played_x : OBSTACLES.played_x + 2]
             drive(case.effects, x, y, played)
             x = played[0] + drifted(case.effects, 0, time) + screwed(case.effects, 0, mount_x)

@@ -111,9 +111,12 @@ class _Obstacles(NamedTuple):
     """Of a probe: the first one that moves as it does, as both are carried by one mount."""
     slip: int = 15
     """Of a probe: speed in m/s at which its tip slipped along the part in the last step."""
+    command_x: int = 16
+    """Of a probe whose drive creeps: command at the start of the step, and what creeps after it; then both along y."""
+    command_y: int = 18
 
 
-OBSTACLES, OBSTACLE_COLUMNS = _Obstacles(), 16
+OBSTACLES, OBSTACLE_COLUMNS = _Obstacles(), 20
 
 
 class _Part(NamedTuple):

@@ -270,6 +270,12 @@ LINES: Mapping[str, Line] = {
         derivation="derivations/sticking_motion.py",
         why="a tip that comes later than the other one leaves it alone with the part: the pair does not travel as commanded",
     ),
+    "probe_creep": Line(
+        premise=Premise.TRAVEL_STRAIGHT,
+        claim="closed-form-motion",
+        derivation="derivations/sticking_motion.py",
+        why="a tip still comes from where it was before: it starts beside its line, and goes on after the stop",
+    ),
     "leadscrew_error": Line(
         premise=Premise.TRAVEL_STRAIGHT,
         claim="closed-form-motion",

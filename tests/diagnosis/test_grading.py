@@ -698,6 +698,7 @@ def extended(late: Diagnosis, monkeypatch: pytest.MonkeyPatch, **given: Any) -> 
     """
     matters, open_high = given.pop("matters", 0.0), given.pop("open_high", False)
     parameter = SimpleNamespace(low=-9.0, high=given.pop("end", 9.0))
+    alone = given.pop("alone", "")
     bench, plain = late.grade.bench, late.grade.plain
     parts = ("", "b", "c", "b_c", "a_c")
     left = dict.fromkeys(parts, (1000.0, 9.0)) | {"a": (10.0, 9.0)} | given
@@ -706,7 +707,12 @@ def extended(late: Diagnosis, monkeypatch: pytest.MonkeyPatch, **given: Any) -> 
         each = np.broadcast_to(level, len(bench.fold))[:, None, None]
         names = tuple(name.split("_")) if name else ()
         # the number of folds holds the ratio, for what stands in for the intervals
-        predicted[names] = replace(plain, squares=np.where(bench.seen, each, 0.0), values=ratio)
+        predicted[names] = replace(
+            plain,
+            squares=np.where(bench.seen, each, 0.0),
+            values=ratio,
+            alone=((alone, "push_01.csv"),) if alone in names else (),
+        )
         trials = tuple(SimpleNamespace(effect=one, sizes={"x": 1.0}) for one in names)
         refit = SimpleNamespace(effects=names, trials=trials, gain=1.0)
         ones[names] = Candidate(refit=cast(Refit, refit))
@@ -746,6 +752,14 @@ def test_beside_a_strong_effect_a_further_one_is_asked_for(
     more = {"a": (400.0, 9.0), "a_b": (40.0, 9.0)}
     assert extended(late, monkeypatch, **more) == ("a", "b")
     assert extended(late, monkeypatch, **more, a_b_c=(2.0, 9.0)) == ("a", "b", "(c)")
+
+
+def test_what_one_push_alone_tells_of_is_no_further_effect(
+    late: Diagnosis, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The fit that predicts the push has seen it."""
+    assert extended(late, monkeypatch, alone="b", a_b=(5.0, 9.0)) == ("a",)
+    assert extended(late, monkeypatch, alone="a", a_b=(5.0, 9.0)) == ("a", "(b)")
 
 
 def test_a_further_effect_takes_away_much_everywhere_by_a_sure_amount_that_matters(

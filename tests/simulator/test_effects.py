@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 import pytest
+from scipy import signal
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
@@ -57,7 +58,7 @@ NAMES = {
     "contact": "tip_adhesion tip_attraction edge_dependent_friction friction_spread friction_speed "
     "friction_drift",
     "geometry": "part_geometry part_skew tip_radius reference_offset part_yaw",
-    "actuation": "probe_compliance backlash probe_drift tip_latency leadscrew_error",
+    "actuation": "probe_compliance backlash probe_drift tip_latency probe_creep leadscrew_error",
     "observation": "camera_latency log_latency clock_rate camera_scale camera_rotation camera_drift lens_distortion "
     "camera_anisotropy registration_shift angle_error pixel_locking",
     "residual": "residual",
@@ -97,6 +98,7 @@ ON: Values = {
     "probe_compliance": {"time_ms": 80.0},
     "backlash": {"width_um": 6.0},
     "tip_latency": {"time_ms": 150.0},
+    "probe_creep": {"percent": 20.0, "fade_s": 0.5},
     "probe_drift": {"x_um_s": 1.5, "y_um_s": -2.0},
 }
 
@@ -262,6 +264,7 @@ RATE = {
     "dry_friction", "stribeck_friction", "breakaway_friction", "uneven_support", "body_force",
     "film_flow", "wall_capillarity", "tip_adhesion", "tip_attraction", "probe_compliance",
     "probe_drift", "inertia", "point_pull", "friction_drift", "friction_speed", "tip_latency",
+    "probe_creep",
 }  # fmt: skip
 # A gradient exp(g · x) of a film alone is the same at every place but for its scale.
 PLACE = {
@@ -721,6 +724,22 @@ def test_a_late_tip_of_two_is_where_it_was_commanded_before() -> None:
         np.abs(found.poses - simulate(lifted({}, waypoints=way, times=times, **given)).poses).max()
         > 1e-3
     )
+
+
+@pytest.mark.parametrize("dt", [0.2, 0.01])
+def test_a_drive_that_creeps_is_where_its_transfer_function_puts_it(dt: float) -> None:
+    """Against SciPy's simulation of w(s) (1 − c s τ / (1 + s τ)), whatever the length of the steps."""
+    share, tau, v, stop = 0.25, 0.6, 75 * UM, 1.6
+    values: Values = {"probe_creep": {"percent": 100 * share, "fade_s": tau}}
+    push = central(values, [0.0, 120.0, 120.0], [0.0, stop, 4.0], time_step=dt, step=100 * UM)
+    at = np.array([[0.4, 1.6, 1.8, 2.4, 4.0]])
+    t = np.linspace(0.0, 4.0, 4001)
+    system = signal.lti([tau * (1 - share), 1.0], [tau, 1.0])
+    _, way, _ = signal.lsim(system, v * np.minimum(t, stop), t)
+    want = np.interp(at[0], t, way)
+    found = simulate(push, instants=at).path[0, :, 1]
+    np.testing.assert_allclose(found, want, rtol=0, atol=1e-9)
+    assert np.ptp(want[1:]) > 10 * UM  # most of it after the stop
 
 
 def test_drift_of_the_mount_moves_a_touching_part() -> None:
