@@ -8,6 +8,7 @@ from pathlib import Path
 from meso_robust.errors import InputError
 from meso_robust.recordings.direct.clocks import Stream
 from meso_robust.recordings.direct.run import direct_tests
+from meso_robust.recordings.direct.stated import misstated
 from meso_robust.recordings.document import SET_FILE
 from meso_robust.recordings.importers import FORMATS
 from meso_robust.recordings.loose import Lines, read_loosely
@@ -61,18 +62,20 @@ def checked(
         recordings, repairs, left = _repaired(read, found)
         lines = None
     fit = usable(recordings, left, lines)
+    direct = direct_tests(fit.recordings, read.streams)
+    wrong = misstated(fit.recordings, direct)
     return Checked(
         source=str(path),
         format=name,
         recordings=recordings,
-        found=found,
+        found=(*found, *wrong),
         repairs=repairs,
-        remaining=left,
+        remaining=(*left, *wrong),
         lines=lines,
         notes=read.notes,
         barring=fit.barring,
         left_out=fit.left_out,
-        direct=direct_tests(fit.recordings, read.streams),
+        direct=direct,
     )
 
 

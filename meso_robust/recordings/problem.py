@@ -37,6 +37,7 @@ KINDS: Mapping[str, str] = {
     "nothing_moves": "nothing moves",
     "still_probe": "probe that never moves",
     "unseen_probe": "probe that is never seen",
+    "tip_radius": "tips touch elsewhere than their radius says",
     "force_offset": "force offset at rest",
     "no_probe": "no probe",
     "noise_unknown": "unknown noise",

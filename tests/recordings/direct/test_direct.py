@@ -14,6 +14,7 @@ from meso_robust.recordings.direct.causes import likely_cause
 from meso_robust.recordings.direct.clocks import Stream, clock_test, regular_clock
 from meso_robust.recordings.direct.finding import Finding
 from meso_robust.recordings.direct.run import DirectTests, direct_tests
+from meso_robust.recordings.direct.stated import misstated
 from meso_robust.recordings.direct.straight import straight_test
 from tests.recordings.direct.generator import (
     HALF_LONG,
@@ -103,6 +104,34 @@ def test_a_wrong_camera_is_found_by_tip_and_face(
     # with a shift free beside it: the set is about no particular origin
     tests = direct_tests(pushed(2, 16, **camera))
     near(finding(tests, effect), *truth, within=within)
+
+
+@pytest.mark.parametrize(
+    ("stated", "said"),
+    [
+        (25.0, "was the diameter given?"),
+        (12.5, ""),
+        (6.25, "was half of it given?"),
+        (20.0, "measure"),
+    ],
+)
+def test_a_radius_that_is_not_the_one_at_which_tips_touch_is_a_warning(
+    stated: float, said: str
+) -> None:
+    """Tips of 12.5 um: their centres are that far outside of the point that touches."""
+    stage, outward = Stage(5, Camera(), Support()), (-90.0, 0.0, 90.0, 180.0)
+    seen = []
+    for k in range(12):
+        push = stage.push(k % 4, SPEEDS[k % 3])
+        angle = np.radians(push.poses[:, 2] + outward[k % 4])
+        away = 12.5 * np.column_stack([np.cos(angle), np.sin(angle)])
+        seen.append(replace(push, tips=push.tips + away[:, None]))
+    recordings = replace(as_set(seen), tip_radius=stated * UM)
+    told = [str(one) for one in misstated(recordings, direct_tests(recordings))]
+    assert [f"{said} measure" in one or said == "measure" for one in told] == [True] * bool(said)
+    if told:
+        radius = float(told[0].split("tip_radius_um = ")[1].split()[0])
+        assert radius == pytest.approx(12.5, abs=0.4)
 
 
 def test_a_late_camera_is_found_in_the_hand() -> None:
