@@ -267,11 +267,6 @@ def set_words(names: Iterable[str]) -> str:
     return " + ".join(names) or "plain model"
 
 
-def span_words(span: WhereSection) -> str:
-    """Recording, time, phase, stage and component of a span."""
-    return _place(span, f"{span.channel}, ")
-
-
 def _place(span: WhereSection, stage: str = "") -> str:
     time = f"{span.start_s:.2f}–{span.end_s:.2f} s"
     what = f"{stage}{COMPONENTS[span.component]}, {significant(span.sigma, 3)} σ"
@@ -338,7 +333,11 @@ def _matter(document: DiagnosisDocument) -> str:
 
 def _where_lines(document: DiagnosisDocument) -> list[str]:
     spans = document.mismatch.where
-    lines = [f"  where: {span_words(span)}" for span in spans[:MOST_SPANS]]
+    # what a window by itself looks like is worth telling where nothing else says of which stage it is
+    lines = [
+        f"  where: {_place(span, '' if document.effects else f'{span.channel}, ')}"
+        for span in spans[:MOST_SPANS]
+    ]
     more = len(spans) - MOST_SPANS
     return [*lines, f"  and {counted(more, 'more span')}"] if more > 0 else lines
 

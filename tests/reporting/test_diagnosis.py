@@ -175,6 +175,16 @@ def test_the_summary_names_alternatives_and_extrapolation() -> None:
     assert lines[-1] == "  next: push faster <225>"
 
 
+def test_spans_tell_a_stage_only_where_no_effect_has_one() -> None:
+    def first(verdict: Verdict, **given: Any) -> str:
+        lines = summary(document(verdict, **given)).splitlines()
+        return next(line for line in lines if "where:" in line)
+
+    span = document("named").mismatch.where[0]
+    assert f"{span.channel}, " not in first("named")
+    assert first("unknown", effects=()) == first("named").replace("): ", f"): {span.channel}, ")
+
+
 def test_words_of_users_are_escaped_and_no_formulas(pages: dict[Verdict, str]) -> None:
     page = pages["named"]
     for raw in ("a<b>", "<a>", "<speed>", "<225>", "<note>", "mathdefault"):
