@@ -41,6 +41,9 @@ _REFITTED_FORMS = 2  # of an effect, those that promise most
 _EXTENDED_SETS = {True: 8, False: 12}  # that a further effect may be added to, if quick and if not
 _SETS = {True: 6, False: 15}  # with one effect more, that are refitted, those that promise most
 _OTHERS = 3  # further ones that are kept, those that gain most in a rough fit
+_CROSSED = (
+    4  # effects that gain most beside the best one, and best ones that each of them is tried beside
+)
 _LARGEST_SET = {True: 2, False: 3}  # effects of a set, if quick and if not
 # of the best gain, behind it, within which a rough fit is taken to its end
 _REFINED_SHARE = {True: 0.2, False: 0.5}
@@ -269,12 +272,38 @@ class Contest:
             for of in (chosen, [one for one in rest if one[1] is bases[0]])
         )
         fits = self._all_tried("naming sets", [*asked, *more])
+        fits += self._all_tried("naming sets", self._crossed(bases, fits, known))
         promising = {tuple(sorted((*base.effects, one.trial.effect))) for _, base, one in chosen}
         others = sorted(
             (one for one in fits if one.effects not in promising), key=lambda one: -one.gain
         )
         kept = [one for one in fits if one.effects in promising]
         return self._refined([*kept, *others[:_OTHERS]])
+
+    def _crossed(
+        self, bases: Sequence[Candidate], fits: Sequence[Refit], known: set[tuple[str, ...]]
+    ) -> list[tuple[tuple[Signature, ...], Refit]]:
+        """Sets not tried yet, of the next best ones and those effects that gain most beside the best one.
+
+        What friction makes of a tip that slips, say, no linear estimate tells while tip and edge are believed to be
+        elsewhere: then it gains nothing by itself either, and next to nothing is promised beside what would put them right.
+        """
+        best, *others = bases[:_CROSSED]
+        done = known | {one.effects for one in fits}
+        strong = dict.fromkeys(
+            name
+            for one in sorted(fits, key=lambda one: -one.gain)
+            if set(best.effects) < set(one.effects)
+            for name in one.effects
+            if name not in best.effects
+        )
+        own = [one for one in self.signatures if one.trial.effect in list(strong)[:_CROSSED]]
+        return [
+            ((*self._chosen(base.refit), form.signature), base.refit)
+            for base in others
+            for form in self._forms(base.refit, base.effects, own)
+            if tuple(sorted((*base.effects, form.signature.trial.effect))) not in done
+        ]
 
     def further(self, field: Sequence[Candidate], base: Candidate) -> list[Candidate]:
         """Sets with one effect more than one that leaves something.
