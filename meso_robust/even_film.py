@@ -79,7 +79,7 @@ def remarks(task: Task, fitted: Collection[str] = ()) -> tuple[str, ...]:
     tuple of str
         A line each, with what to do about it.
     """
-    even = even_film(_corners(task))
+    even = even_film(corners_of(task))
     said = []
     distance = math.hypot(*even.centre_um)
     if distance >= _SEEN:
@@ -107,12 +107,21 @@ def remarks(task: Task, fitted: Collection[str] = ()) -> tuple[str, ...]:
         said.append(
             f"{RATIO} = {ratio:.6g} +- {known.film_ratio_percent:g} %: "
             f"{ratio / even.ratio_um2:.3g} x that of an even film under this outline, "
-            f"{even.ratio_um2:.6g} um^2{never}; {advice}"
+            f"{even.ratio_um2:.6g} um^2{never}{_unit(ratio / even.ratio_um2)}; {advice}"
         )
     return tuple(said)
 
 
-def _corners(task: Task) -> Sequence[Corner]:
+def _unit(share: float) -> str:
+    """The unit in which a ratio would be that of an even film, to a factor of four."""
+    units = {"mm^2": 1e-6, "m^2": 1e-12}
+    return next(
+        (f", as if it were in {name}" for name, of in units.items() if 0.25 < share / of < 4.0), ""
+    )
+
+
+def corners_of(task: Task) -> Sequence[Corner]:
+    """Corners of a task's part as stated, counter-clockwise, um."""
     part = task.part
     if isinstance(part, PolygonPart):
         return part.corners_um

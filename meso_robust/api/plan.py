@@ -97,8 +97,8 @@ class Planned(Result):
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """What the stated part and film differ in from an even film; not part of the verdict."""
-        from meso_robust.even_film import remarks
+        """What is unusual about the task, such as a film that is not even; not part of the verdict."""
+        from meso_robust.planning.possible import remarks
 
         return remarks(self.task, () if self.promise is None else self.promise.changed.keys)
 
@@ -219,7 +219,7 @@ def plan(  # noqa: PLR0913  # every option of the verb is an argument
             "--model: cannot be combined with --widest, --policy or --maps, which need only a task; "
             "plan with the model first, then with the task it returns (task.toml)"
         )
-    stated = task_of(task)
+    stated = _possible(task)
     for asked, use in ((policy, "--policy"), (maps, "--maps")):
         if asked:
             stated.rectangle(use)
@@ -298,7 +298,7 @@ def certify(
     not proved in step 4 (straighten): every final pose lies in the goal
     what would settle it: change the move that is not proved, or let `meso-robust plan` find a plan
     """
-    known = task_of(task)
+    known = _possible(task)
     stated = plan_of(plan, known)
 
     from meso_robust import pipeline
@@ -312,6 +312,15 @@ def certify(
     found = Found(rules=rules, scale=1.0, remedy=Remedy.CHANGE_MOVE)
     result = pipeline.judge(known, found, samples, seed, progress.doing)
     return Planned(result=result, inputs=files_of(task, plan))
+
+
+def _possible(task: TaskGiven) -> Task:
+    """The task, refused where no plan can do it."""
+    from meso_robust.planning.possible import refuse_impossible
+
+    stated = task_of(task)
+    refuse_impossible(stated)
+    return stated
 
 
 def plan_of(plan: PlanGiven, task: Task) -> PlanDocument:

@@ -62,8 +62,8 @@ def written(*, model: object, widest: bool, policy: bool, maps: bool, **_: objec
 
 def unplanned(run: Run, task: Path, error: object, verb: str) -> NoReturn:
     """Write the report of a task that has no plan to judge; ends with exit status 1."""
-    from meso_robust.even_film import remarks
     from meso_robust.files import write_all
+    from meso_robust.planning.possible import remarks
     from meso_robust.reporting.unplanned import unplanned_report
     from meso_robust.task import load_task
 

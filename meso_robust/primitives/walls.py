@@ -26,6 +26,11 @@ TOLD = 0.999  # of a polygon's distance: where a corner passes its highest point
 # enclosure of the same distance is a little smaller
 
 
+def stands_clear(setup: Setup) -> bool:
+    """Whether the part is proved to touch no wall at its start."""
+    return all(_separation(setup.start, block, setup) > 0.0 for block in setup.blocks)
+
+
 def part_clear(tube: Iterable[Knot], setup: Setup) -> Obligation:
     """The part touches no wall anywhere in its tube (world frame); undecided if there is no tube."""
     distance = math.inf

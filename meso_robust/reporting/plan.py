@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from meso_robust.bounds import Verdict
 from meso_robust.checker.verdict import Answer as Verified
-from meso_robust.even_film import remarks
 from meso_robust.laboratory.running import excess
 from meso_robust.pipeline import Planned
+from meso_robust.planning.possible import remarks
 from meso_robust.reporting import pages, rows
 from meso_robust.reporting.answer import answer
 from meso_robust.reporting.conditions import LETTERS_SAID, conditions

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from meso_robust.even_film import remarks
+from meso_robust.planning.possible import remarks
 from meso_robust.provenance import made_with
 from meso_robust.reporting import pages
 from meso_robust.reporting.svg import style, to_svg
