@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass, fields, replace
 
+import numpy as np
+
 from meso_robust import units
 from meso_robust.bounds import Verdict
 from meso_robust.certificates.chain import Chain, certify
@@ -33,7 +35,9 @@ from meso_robust.provenance import made_with
 from meso_robust.simulator import Outcome, ahead
 from meso_robust.stages import Doing, quietly
 from meso_robust.task import Task
-from meso_robust.wording import counted, do, down, worded
+from meso_robust.wording import counted, do, down, up, worded
+
+_THETA = 2
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -58,7 +62,8 @@ class Planned:
         lines = [
             f"{self.certificate.verdict} ({self.task.tips}): {self.task.name}, "
             f"{counted(len(self.found.rules), 'move')}",
-            f"simulated: {int(check.in_goal.sum())} of {counted(runs, 'run')} {do(runs, 'end')} in the goal",
+            f"simulated: {int(check.in_goal.sum())} of {counted(runs, 'run')} {do(runs, 'end')} in the goal"
+            + _failures(check),
         ]
         if self.certificate.verdict == "PROVED":
             lines.append(
@@ -70,6 +75,28 @@ class Planned:
             lines.append(f"not proved in step {open_.step} ({open_.action}): {said.claim}")
             lines.append(f"what would settle it: {said.settled_by}")
         return worded("\n".join(lines))
+
+
+def _failures(check: CrossCheck) -> str:
+    """How those runs end that do not end in the goal."""
+    early, missed = ~check.sampled.completed, check.sampled.completed & ~check.in_goal
+    said = ""
+    if missed.any():
+        away, count = check.missed[missed], int(missed.sum())
+        axis = int(np.argmax((away > 0.0).sum(axis=0)))
+        far = float(away[:, axis].max())
+        size = (
+            f"{up(units.to_deg(far), 2)} deg" if axis == _THETA else f"{up(units.to_um(far), 2)} um"
+        )
+        said += (
+            f"; {count} {do(count, 'end')} outside it, {['x', 'y', 'theta'][axis]} by up to {size}"
+        )
+    if early.any():
+        ends, counts = np.unique(check.sampled.outcomes[early], return_counts=True)
+        most = int(np.argmax(counts))
+        how = "start inside the part" if ends[most] == STARTS_INSIDE else Outcome(ends[most]).word
+        said += f"; {int(early.sum())} cannot be carried out, most of them: {how}"
+    return said
 
 
 class SimulatorContradictsProofError(RuntimeError):

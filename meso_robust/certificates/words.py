@@ -117,13 +117,13 @@ _REASONS: Mapping[StrEnum, str] = {
 }
 
 _REMEDIES: Mapping[StrEnum, str] = {
-    Remedy.NARROW_ALL: "a robust plan was found with all uncertainties scaled by {scale}: narrow "
-    "them, or change the task so that more room is left",
+    Remedy.NARROW_ALL: "a robust plan was found with all uncertainties scaled by {scale} (ranges of "
+    "tips and part too): narrow them, or change the task so that more room is left",
     Remedy.NARROW_ONE: "a robust plan was found with the range of {uncertainty} alone scaled by "
     "{scale}, to {range}: narrow it, or change the task so that more room is left",
     Remedy.SEARCH_LONGER: "the search ended after about {seconds} s of computing, with a robust plan for all "
-    "uncertainties scaled by {scale}: look longer (`--search-s`), narrow them, or change the task so that more "
-    "room is left",
+    "uncertainties scaled by {scale} (ranges of tips and part too): look longer (`--search-s`), narrow them, or change "
+    "the task so that more room is left",
     Remedy.SEARCH_LONGER_OR_NARROW: "the search ended after about {seconds} s of computing, with a robust plan "
     "for the range of {uncertainty} alone scaled by {scale}, to {range}: look longer (`--search-s`), narrow it, or change "
     "the task so that more room is left",
