@@ -296,6 +296,18 @@ class Forces:
         return grip.g * (film.rho * at + m * grip.R * film.determinant)
 
     @property
+    def slips(self) -> tuple[Real, Real]:
+        """How fast the part slips forward over D and over S, times the divisor."""
+        grip, film, k, ratio = self.grip, self.film, self.k, self.ratio
+        H, P, B_S = grip._span(film, k, ratio)
+        m, m_S = grip.e_moving * k + grip.p, grip.e_resting * ratio + grip.r
+        Q = m_S * film.along(k)[1] + m * B_S
+        u = grip.g * (film.rho * P / film.determinant + grip.R * Q)
+        omega = grip.g * (H if grip.tilt is EVEN else H + grip.tilt * Q)
+        over_D = u + omega * grip.e_moving + grip.f * self.divisor
+        return over_D, u - omega * grip.e_resting
+
+    @property
     def divisor(self) -> Real:
         """Positive where the grip cannot close."""
         grip, film, k, ratio = self.grip, self.film, self.k, self.ratio

@@ -144,6 +144,7 @@ class Objection(StrEnum):
     WITNESS_FAILS = "witness_fails"
     STARTS_INSIDE = "starts_inside"
     MEETS_WALL = "meets_wall"
+    JAMS = "jams"
     MISSES_GOAL = "misses_goal"
     END_UNDECIDED = "end_undecided"
 

@@ -23,8 +23,9 @@ from meso_robust.checker.contact import off_line
 from meso_robust.checker.document import RuleDocument, WitnessDocument
 from meso_robust.checker.dual import Dual, Number, Point
 from meso_robust.checker.film import EVEN
-from meso_robust.checker.ids import Named, Objection, named
+from meso_robust.checker.ids import Must, Named, Objection, named
 from meso_robust.checker.inputs import Given, PoseBox
+from meso_robust.checker.jam import check_jam
 from meso_robust.checker.moves import verify_scene
 from meso_robust.checker.outline import Edge, Polygon
 from meso_robust.checker.passage import Passage
@@ -35,7 +36,7 @@ from meso_robust.checker.run import Run
 from meso_robust.checker.scene import Scene, direction
 from meso_robust.checker.walls import clear_of_walls, meets_a_wall
 
-INSIDE, MISSES = "starts_inside", "misses_goal"
+INSIDE, JAM, MISSES = "starts_inside", "jam", "misses_goal"
 """Outcomes of a witness that are found here as well."""
 Place = Callable[[Point], tuple[Dual, Dual]]
 
@@ -81,7 +82,7 @@ def replay(witness: WitnessDocument, policy: tuple[RuleDocument, ...], given: Gi
         try:
             passage = verify_scene(scene, run.given, memory)
         except Refused as refused:
-            return Fate(fails=False, why=refused.name, move=number + 1)
+            return _stopped(scene, run.given, number, refused.name)
         fate = _at_walls(scene, passage, run.given, number)
         if fate is not None:
             return fate
@@ -92,6 +93,18 @@ def replay(witness: WitnessDocument, policy: tuple[RuleDocument, ...], given: Gi
     if _outside(pose, given.goal):
         return Fate(fails=True, why=named(Objection.MISSES_GOAL), outcome=MISSES)
     return Fate(fails=False, why=named(Objection.END_UNDECIDED))
+
+
+def _stopped(scene: Scene, given: Given, number: int, why: Named) -> Fate:
+    """What becomes of a move that does not follow: of tips that may close on the part it may that it jams."""
+    if scene.rule.action == "rotate" and why.id is Must.NO_JAM:
+        try:
+            passage = check_jam(scene)
+        except Refused:
+            return Fate(fails=False, why=why, move=number + 1)
+        jams = Fate(fails=True, why=named(Objection.JAMS), move=number + 1, outcome=JAM)
+        return _at_walls(scene, passage, given, number) or jams
+    return Fate(fails=False, why=why, move=number + 1)
 
 
 def _starts_inside(scene: Scene) -> bool:

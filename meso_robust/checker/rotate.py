@@ -22,7 +22,7 @@ from __future__ import annotations
 import dataclasses
 import functools
 import itertools
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 
 import numpy as np
 import numpy.typing as npt
@@ -91,8 +91,57 @@ LABELS = {"begun": "theta", "turned": "turned"}
 """What tells how a part came to both tips: its barriers have slopes along it."""
 
 
-def check_rotate(scene: Scene) -> Passage:
-    """Prove a counter-clockwise rotation from every pose of its scene.
+@dataclasses.dataclass(frozen=True, slots=True)
+class Landing:
+    """How a rotation comes to both tips, as far as it is proved."""
+
+    pair: Pair
+    """Both tips, with the turn until the part rests on them."""
+    stages: tuple[Approach, ...]
+    """Of the push by the active tip alone."""
+    spans: tuple[Side, ...]
+    """h at the touch, of each stage in which there can be one."""
+    box: Box
+    """Ranges of all that a grip of both tips depends on."""
+    before: tuple[Requirement, ...]
+    """What is proved of the start, and of that push."""
+    during: tuple[Requirement, ...]
+
+    @property
+    def touching(self) -> tuple[Approach, ...]:
+        """The stages in which both tips can touch first."""
+        return tuple(one for one in self.stages if one.rests is not None)
+
+    @property
+    def h(self) -> Side:
+        """Ends of h at the touch, m."""
+        return functools.reduce(hull, self.spans)
+
+    def starts(self) -> list[Start]:
+        """Where the turn between both tips can begin."""
+        return [
+            Start(one.box_at_touch(), one.lead, self.at_touch, own, LABELS)
+            for one, own in zip(self.touching, self.spans, strict=True)
+        ]
+
+    def at_touch(self, at: Point) -> Point:
+        """What barriers are linear in when both tips touch."""
+        return self.known(at, {"stray": at["stray"]} if "stray" in at else {})
+
+    def known(self, at: Point, more: dict[str, Dual]) -> dict[str, Dual]:
+        """What is constant during a run, and what else is told."""
+        return {**self.pair.constants(at), **more}
+
+
+def landing(scene: Scene, *more: Requirement) -> Landing:
+    """Prove how a counter-clockwise rotation comes to both tips.
+
+    Parameters
+    ----------
+    scene
+        The move.
+    more
+        What else must hold before it starts.
 
     Raises
     ------
@@ -104,29 +153,55 @@ def check_rotate(scene: Scene) -> Passage:
     if scene.rule.side != 1:
         raise Refused(named(Objection.SIDE_OF_MOVE, action="rotate"), scene.rule.side, 1)
     pair = Pair(scene)
-    before = [*free_at_start(scene, (ACTIVE, IDLE)), _passive_free(pair), _no_jam(pair)]
-    _prove(before)
+    before = (*free_at_start(scene, (ACTIVE, IDLE)), _passive_free(pair), *more)
+    prove_all(before)
     stages = approaches(pair)
-    touching = tuple(one for one in stages if one.rests is not None)
-    spans = [span(one.h, one.box_at_touch(), within=NEAR) for one in touching]
-    h_end = span(pair.h_end, pair.box)
-    every = zip(*(one.requirements() for one in stages), strict=True)
-    arrival = [*(_of_all(same) for same in every), _rests(touching, h_end)]
-    _prove(arrival)
-    rests = functools.reduce(hull, (one.rests for one in touching if one.rests is not None))
-    turn = _Turn(Pair(scene, rests), stages, spans, h_end)
+    touching = [(one, one.rests) for one in stages if one.rests is not None]
+    during = tuple(map(_of_all, zip(*(one.requirements() for one in stages), strict=True)))
+    prove_all(during)
+    held = Pair(scene, functools.reduce(hull, (rests for _, rests in touching)))
+    return Landing(
+        pair=held,
+        stages=stages,
+        spans=tuple(span(one.h, one.box_at_touch(), within=NEAR) for one, _ in touching),
+        box=held.ranges(),
+        before=before,
+        during=during,
+    )
+
+
+def check_rotate(scene: Scene) -> Passage:
+    """Prove a counter-clockwise rotation from every pose of its scene.
+
+    Raises
+    ------
+    Refused
+        A requirement does not follow.
+    """
+    land = landing(scene, _no_jam(Pair(scene)))
+    h_end = span(land.pair.h_end, land.pair.box)
+    arrival = (*land.during, _rests(land.touching, h_end))
+    prove(arrival[-1])
+    turn = turn_until(land, h_end)
     after = turn.requirements()
-    _prove(after)
+    prove_all(after)
     return Passage(
         does=named(Property.TURNS_BETWEEN_TIPS),
         post=turn.post(),
-        requirements=(*before, *arrival, *after),
-        swept=(*(one.swept() for one in stages), *turn.swept()),
+        requirements=(*land.before, *arrival, *after),
+        swept=(*(one.swept() for one in land.stages), *turn.swept()),
         largest_force=turn.largest_force,
     )
 
 
-def _prove(requirements: list[Requirement]) -> None:
+def prove_all(requirements: Iterable[Requirement]) -> None:
+    """Prove some requirements.
+
+    Raises
+    ------
+    Refused
+        One does not follow.
+    """
     for requirement in requirements:
         prove(requirement)
 
@@ -188,7 +263,7 @@ def _rests(touching: tuple[Approach, ...], h_end: Side) -> Requirement:
 
 
 @dataclasses.dataclass(frozen=True)
-class _Held:
+class Held:
     """The part held between both tips: at a point, or at many."""
 
     grip: Grip
@@ -217,7 +292,7 @@ class _Held:
 
 Spares = Sequence[Callable[[], Real]]
 """By how much something exceeds a bound, in several ways, each worked out if it is asked for."""
-Spare = Callable[[_Held, arb], Spares]
+Spare = Callable[[Held, arb], Spares]
 """By how much a grip does."""
 
 
@@ -226,39 +301,52 @@ def _resting(forces: Forces, bound: arb) -> Real:
     return forces.resting - forces.divisor * bound
 
 
-class _Turn:
-    """The turn between both tips."""
+def turn_until(land: Landing, h_end: Side) -> Turn:
+    """Prove how a rotation goes on from the touch of both tips until h is ``h_end``, m.
 
-    def __init__(
-        self, pair: Pair, stages: tuple[Approach, ...], spans: list[Side], h_end: Side
-    ) -> None:
-        self.scene, self.pair, self.before = pair.scene, pair, stages
-        self.box, self.h, self.h_end = pair.ranges(), functools.reduce(hull, spans), h_end
-        touching = [one for one in stages if one.rests is not None]
-        starts = [
-            Start(one.box_at_touch(), one.lead, self.at_touch, own, LABELS)
-            for one, own in zip(touching, spans, strict=True)
-        ]
-        self.pieces = enclose(self.box, starts, self.h, h_end)
+    Raises
+    ------
+    Refused
+        The slide could not be enclosed, or on the way the grip may close, a tip be left or pass the end of
+        its edge.
+    """
+    pieces = enclose(land.box, land.starts(), land.h, h_end)
+    turn = Turn(land, pieces, (h_end[0], land.h[1]))
+    turn.hold((Must.NO_JAM, (turn.open,)), *turn.kept)
+    return turn
+
+
+class Turn:
+    """The turn between both tips, or a stretch of it."""
+
+    def __init__(self, land: Landing, pieces: Sequence[Piece], h: Side) -> None:
+        self.land, self.pieces, self.h = land, tuple(pieces), h
+        self.pair, self.scene, self.box = land.pair, land.pair.scene, land.box
         self.around = Around.of(self.states())
         self.near = self._straight(self.scene.edge, "depth")
         before, beyond = self._straight(self.scene.far, "depth_far")
         self.far = beyond, before  # it runs the other way
-        for must, spare in (
-            (Must.NO_JAM, (self._open,)),
+
+    @property
+    def kept(self) -> tuple[tuple[Must | Objection, tuple[Spare, ...]], ...]:
+        """What keeps both tips on their edges and pressing, each in one of some ways."""
+        return (
             (Must.ACTIVE_PRESSES, (self._pressed,)),
             (Must.BOTH_TIPS_TOUCH, (self._forces, self._forces_back)),
             (Must.BOTH_TIPS_ON_EDGES, (self._on_edges,)),
-        ):
-            if not self._exceeds(ZERO, *spare):
+        )
+
+    def hold(self, *musts: tuple[Must | Objection, tuple[Spare, ...]]) -> None:
+        """Prove what must be positive in all grips, each in one of some ways.
+
+        Raises
+        ------
+        Refused
+            One of them is not proved to be.
+        """
+        for must, spares in musts:
+            if not self._exceeds(ZERO, *spares):
                 raise Refused(named(must), "more than 0", "not shown")
-
-    def at_touch(self, at: Point) -> Point:
-        """What barriers are linear in when both tips touch."""
-        return self._known(at, {"stray": at["stray"]} if "stray" in at else {})
-
-    def _known(self, at: Point, more: dict[str, Dual]) -> dict[str, Dual]:
-        return {**self.pair.constants(at), **more}
 
     def states(self) -> Box:
         """All grips of a piece."""
@@ -295,7 +383,7 @@ class _Turn:
 
         def one(k: int, at: Mapping[str, Rows], which: npt.NDArray[np.int64]) -> Rows:
             known = {**exact, **at}
-            found: Rows = spare(_Held(between.grip(known, places, which), known), bound)[k]()
+            found: Rows = spare(Held(between.grip(known, places, which), known), bound)[k]()
             return found
 
         count = len(self._spares(pieces[0], spare, bound, self.around.middle))
@@ -315,19 +403,21 @@ class _Turn:
             for k, low in enumerate(lows(every, self.around))
         )
 
-    def _held(self, piece: Piece, at: Point) -> _Held:
-        return once((piece, "held"), at, lambda: _Held(piece.grip(at), at))
+    def _held(self, piece: Piece, at: Point) -> Held:
+        return once((piece, "held"), at, lambda: Held(piece.grip(at), at))
 
     def _spares(self, piece: Piece, spare: Spare, bound: arb, at: Point) -> Spares:
         return spare(self._held(piece, at), bound)
 
-    def _open(self, held: _Held, bound: arb) -> Spares:
+    def open(self, held: Held, bound: arb) -> Spares:
+        """The grip cannot close, whatever the ratios."""
+
         def spare(forces: Forces) -> Real:
             return forces.divisor - bound
 
         return [functools.partial(spare, one) for one in held.corners]
 
-    def _pressed(self, held: _Held, bound: arb) -> Spares:
+    def _pressed(self, held: Held, bound: arb) -> Spares:
         """D presses, also alone."""
 
         def spare(forces: Forces) -> Real:
@@ -339,16 +429,16 @@ class _Turn:
         found = [functools.partial(spare, one) for one in held.corners]
         return [*found, *(functools.partial(alone, k) for k in SIGNS)]
 
-    def _forces(self, held: _Held, bound: arb) -> Spares:
+    def _forces(self, held: Held, bound: arb) -> Spares:
         return [functools.partial(_resting, one, bound) for one in held.corners]
 
-    def _forces_back(self, held: _Held, bound: arb) -> Spares:
+    def _forces_back(self, held: Held, bound: arb) -> Spares:
         """The same where D alone would let the part slip forward: of half of its cone."""
         half = (held.forces(k, k_S) for k, k_S in itertools.product((-1, 0), SIGNS))
         found = [functools.partial(_resting, one, bound) for one in half]
         return [functools.partial(held.grip.slides_alone, held.drag), *found]
 
-    def _on_edges(self, held: _Held, bound: arb) -> Spares:
+    def _on_edges(self, held: Held, bound: arb) -> Spares:
         def spare(far: bool, reach: arb, sign: int) -> Real:
             return reach - bound + (held.grip.S_place if far else held.grip.D_place) * sign
 
@@ -364,7 +454,7 @@ class _Turn:
         The rate of travel along the line is at most the probe's speed.
         """
         first = ZERO
-        for one in self.before:
+        for one in self.land.stages:
             first = first.max(span(one.force, one.box(), within=NEAR_FORCE)[1])
         states = self.states()
 
@@ -401,6 +491,7 @@ class _Turn:
         return reach(edge.ends[0]), reach(edge.ends[1])
 
     def requirements(self) -> list[Requirement]:
+        """What is asked of the turn until the end of the travel, and of the tips on their way back."""
         span_of = (Part({"h": lambda at: at["h"], "V": lambda at: at["V"]}, self.ends()),)
         while_turning = tuple(self.idle(piece) for piece in self._stages())
 
@@ -417,7 +508,7 @@ class _Turn:
             shown(Must.BOTH_TIPS_TOUCH, st.PASSIVE_FORCE, self._forces, self._forces_back),
             shown(Must.BOTH_TIPS_ON_EDGES, st.TIPS_ON_EDGES, self._on_edges),
             passes("before_touch", (self.flight(),)),
-            passes("early_in_turn", tuple(map(self.early, self.before))),
+            passes("early_in_turn", tuple(map(self.early, self.land.stages))),
             passes("late_in_turn", while_turning, cover=(self.at_end(),)),
             passes("on_withdrawal", (self.withdrawal(),)),
             self.comes_free(),
@@ -439,7 +530,8 @@ class _Turn:
         yield from self.pieces
 
     def ends(self) -> Box:
-        return {"h": (self.h_end[0], self.h[1]), "V": self._apart()}
+        """What the tips' distance is during the turn."""
+        return {"h": self.h, "V": self._apart()}
 
     def _apart(self) -> Side:
         V = self.box["V"]
@@ -507,21 +599,26 @@ class _Turn:
         return Part(variables, stage.box())
 
     def end_box(self) -> Box:
+        """The variables of the end, and of the way back."""
         return {**self.pair.box, "share": UNIT, "back": UNIT}
 
     def end_grip(self, at: Point) -> Grip:
+        """The grip at the end of the travel."""
         strays = "stray" in self.box
         more = {"stray": self.pair.stray(at, "_now")} if strays else {}
-        known = self._known(at, {**more, "share": at["share"]})
+        known = self.land.known(at, {**more, "share": at["share"]})
         return self.pieces[-1].grip_at(self.pair.h_end(at), known)
 
     def end_angle(self, at: Point) -> Dual:
+        """Direction of the pushed edge then."""
         return _angle(self.end_grip(at))
 
     def at_end(self) -> Part:
+        """The upper tip then."""
         return Part(self.beside_at_end(constant(ZERO)), self.end_box())
 
     def beside_at_end(self, short: Formula) -> Variables:
+        """The same while the lower one is ``short`` of its place on the edge."""
         return self.beside(self.end_angle, lambda at: self.end_grip(at).D_place, short)
 
     def withdrawal(self) -> Part:
@@ -539,7 +636,7 @@ class _Turn:
 
         def pose(piece: Piece, at: Point) -> Pose:
             more = {name: at[name] for name in ("stray", "done", "share") if name in at}
-            return self._pose(at, piece.grip(self._known(at, more)))
+            return self._pose(at, piece.grip(self.land.known(at, more)))
 
         return tuple(Sweep(functools.partial(pose, one), box, "done") for one in self.pieces)
 
@@ -564,7 +661,7 @@ class _Turn:
     def _end_theta(self, at: Point) -> Dual:
         """Its orientation then, which hangs on that only as far as the edges are out of parallel."""
         strays = "stray" in self.box
-        known = self._known(at, {"stray": self.pair.stray(at, "_now")} if strays else {})
+        known = self.land.known(at, {"stray": self.pair.stray(at, "_now")} if strays else {})
         grip = grip_of(known, self.pair.h_end(at), S, at[AHEAD])
         return self.scene.stated(at, _angle(grip))
 

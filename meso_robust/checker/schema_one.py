@@ -133,6 +133,8 @@ _TEXTS = {
 _OUTCOMES = {
     "the last pose misses the goal": "misses_goal",
     "a probe would start inside the part": "starts_inside",
+    "the part jammed: no contact mode balances the support while the tips keep moving; the pose is that of "
+    "the last step taken": "jam",
 }
 """Those that the checker finds as well; of others it takes no position on what they are called."""
 _ENCLOSURES = "interval arithmetic on the enclosures above"

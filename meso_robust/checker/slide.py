@@ -393,8 +393,8 @@ def enclose(box: Box, starts: Sequence[Start], h: Side, h_end: Side) -> tuple[Pi
     Refused
         No barrier was confirmed.
     """
-    top, landed = _beyond(h[1], 1), _beyond(h[0], -1)
-    near, bottom = _beyond(h_end[1], 1), _beyond(h_end[0], -1)
+    top, landed = beyond(h[1], 1), beyond(h[0], -1)
+    near, bottom = beyond(h_end[1], 1), beyond(h_end[0], -1)
     if not landed > near:
         raise Refused(named(Objection.RESTS_WELL_BEFORE_END), landed, near)
     with np.errstate(all="ignore"):  # what is not a number proves nothing
@@ -411,7 +411,7 @@ def _over(barrier: list[Curve], first: float, last: float) -> Curve:
     return next(curve for curve in barrier if curve.first >= first and last >= curve.last)
 
 
-def _beyond(value: arb, side: int) -> float:
+def beyond(value: arb, side: int) -> float:
     """A double above (1) or below (-1) a number."""
     return math.nextafter(float(value), side * math.inf) + side * ROOM
 
@@ -451,7 +451,7 @@ class _Barrier:
         self.states = {**box, "done": UNIT}
         self.known: dict[tuple[float, ...], tuple[float, float]] = {}
         self.begun: dict[tuple[float, ...], float] = {}
-        self.landed = min(_beyond(one.h[0], -1) for one in starts)
+        self.landed = min(beyond(one.h[0], -1) for one in starts)
 
     def pieces(self, top: float, landed: float, near: float, bottom: float) -> list[Curve]:
         """The whole barrier; its first stretch holds every start, the last piece every end.

@@ -100,6 +100,7 @@ _SENTENCES: Mapping[StrEnum, str] = {
     Objection.WITNESS_FAILS: "the witness is a run that fails",
     Objection.STARTS_INSIDE: "a probe would start inside the part",
     Objection.MEETS_WALL: "the part meets a wall",
+    Objection.JAMS: "the part jams between both tips: no motion goes on",
     Objection.MISSES_GOAL: "the last pose misses the goal",
     Objection.END_UNDECIDED: "the last pose is neither inside nor outside the goal for certain",
 }
