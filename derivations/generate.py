@@ -36,6 +36,7 @@ SOURCES = (
     "round_tips",
     "opposite_edges",
     "unequal_friction",
+    "jam",
     "contact_forces",
     "final_orientation",
     "sampling",

@@ -102,7 +102,7 @@ def places(seed: int, count: int) -> Iterator[Place]:
             yield found
 
 
-@pytest.mark.parametrize("name", ["unequal_friction", "contact_forces"])
+@pytest.mark.parametrize("name", ["unequal_friction", "jam", "contact_forces"])
 def test_everything_is_new_and_proved(name: str, derived: tuple[Derivation, ...]) -> None:
     (claims,) = (one.claims for one in derived if one.name == name)
     assert {claim.verdict.words for claim in claims} == {"NEW"}
