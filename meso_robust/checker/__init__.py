@@ -32,5 +32,6 @@ help from the certificate). What cannot be verified is named in the answer.
 
 The witness of a REFUTED certificate is followed by the same proofs, each range put to the run's number
 (``replay.py``): a run that is proved to end in the goal is untrue, one that is proved to fail is
-confirmed, and one that cannot be followed is said to be undecided.
+confirmed, and one that cannot be followed is said to be undecided. That a part jams between two tips is
+proved by excluding every mode of contact in a stretch of the travel (``jam.py``).
 """

@@ -6,10 +6,10 @@ where this run goes: to a box that is as narrow as the arithmetic, or as the tub
 slide need not be unique. Three things can come out:
 
 - every motion of the run ends in the goal: the witness is untrue;
-- the run fails: a tip would be lowered onto the part, the part meets a wall, or every motion ends
-  outside the goal;
-- a move does not follow: a tip slips, say, or the part jams, which the checker has no formulas for.
-  Whether the run fails stays undecided then.
+- the run fails: a tip would be lowered onto the part, the part jams between the tips of a rotation
+  (``jam.py``) or meets a wall, or every motion ends outside the goal;
+- a move does not follow: a tip slips, say, which the checker has no formulas for, or it is left open
+  whether the part jams. Whether the run fails stays undecided then.
 """
 
 from __future__ import annotations
