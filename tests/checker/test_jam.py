@@ -15,7 +15,7 @@ from meso_robust.checker import jam, replay as replaying
 from meso_robust.checker.document import AimDocument
 from meso_robust.checker.grip import D, S
 from meso_robust.checker.ids import Must, Objection, named
-from meso_robust.checker.inputs import Given, PoseBox, given
+from meso_robust.checker.inputs import PoseBox, given
 from meso_robust.checker.jam import check_jam
 from meso_robust.checker.passage import Passage
 from meso_robust.checker.ranges import ZERO, side_of
@@ -34,7 +34,7 @@ from meso_robust.task import Task
 from tests.checker import balance
 from tests.checker.test_check import checked, objection
 from tests.checker.test_replay import Document, fate, refuting
-from tests.checker.test_rotate import SPACING, rule, scene, task
+from tests.checker.test_rotate import RISE, SPACING, rule, scene, task
 from tests.conftest import paper_task
 from tests.laboratory.paper import paper_player
 from tests.nightly import often
@@ -147,13 +147,18 @@ def test_a_stretch_that_motions_may_leave_is_refused(monkeypatch: pytest.MonkeyP
 
 @pytest.mark.parametrize("ahead_deg", [-3.0, 3.0])
 def test_an_idle_tip_that_may_touch_first_is_refused(ahead_deg: float) -> None:
-    """What the part does then is another matter."""
-    found = scene(changed(tip_misalignment_deg=[ahead_deg, ahead_deg]), 0.0, LEAST - 20.0)
+    """What the part does then is another matter. Of tips so close both reach the edge."""
+    apart, spacing = 880.0, 150.0
+    values = task(0.0, probe={"tip_spacing_um": spacing}).to_dict()
+    values["uncertainty"]["tip_misalignment_deg"] = [ahead_deg, ahead_deg]
+    found = scene(given(Task.from_dict(values)), 0.0, apart)
+    nearer = AimDocument(relative_to="sensed part", offset_um=RISE + (apart + spacing) / 2)
+    moved = replace(found, rule=found.rule.model_copy(update={"dual_y": nearer}))
     if ahead_deg < 0:
-        assert check_jam(found)
+        assert check_jam(moved)
     else:
         with pytest.raises(Refused, match="idle"):
-            check_jam(found)
+            check_jam(moved)
 
 
 def test_tips_that_close_on_the_part_as_they_touch_it_jam_at_once() -> None:
@@ -179,14 +184,9 @@ def leaning(theta: float, reach: float) -> Scene:
     }
     zero = side_of(ZERO)
     pre = PoseBox(x=zero, y=zero, theta=side_of(arb(theta)))
-    return scene_of(rule().model_copy(update=aimed), pre, changed(friction=[0.9, 0.9]))
-
-
-def changed(**uncertainty: Any) -> Given:
-    """The task of test_rotate without ranges, of other numbers."""
     values = task(0.0).to_dict()
-    values["uncertainty"] |= uncertainty
-    return given(Task.from_dict(values))
+    values["uncertainty"]["friction"] = [0.9, 0.9]
+    return scene_of(rule().model_copy(update=aimed), pre, given(Task.from_dict(values)))
 
 
 # ------------------------------------------------------------------------ by every mode
