@@ -21,7 +21,7 @@ from meso_robust.checker.passage import Passage
 from meso_robust.checker.ranges import ZERO, side_of
 from meso_robust.checker.refusal import Refused
 from meso_robust.checker.replay import JAM
-from meso_robust.checker.rotate import Held
+from meso_robust.checker.rotate import Held, Turn
 from meso_robust.checker.scene import Scene, scene_of
 from meso_robust.checker.slide import grip_of
 from meso_robust.checker.verdict import BITS
@@ -34,7 +34,7 @@ from meso_robust.task import Task
 from tests.checker import balance
 from tests.checker.test_check import checked, objection
 from tests.checker.test_replay import Document, fate, refuting
-from tests.checker.test_rotate import RISE, SPACING, rule, scene, task
+from tests.checker.test_rotate import END, RISE, SPACING, rule, scene, task
 from tests.conftest import paper_task
 from tests.laboratory.paper import paper_player
 from tests.nightly import often
@@ -112,11 +112,12 @@ def test_a_wall_on_the_way_counts_first(monkeypatch: pytest.MonkeyPatch, *, meet
 # ------------------------------------------------------------------------ where it begins
 
 
-def pushing(apart: float, share: float = 0.0, **changes: Any) -> Scene:
-    """A rotation between tips so far apart across the travel, um."""
+def pushing(apart: float, share: float = 0.0, end_um: float = END) -> Scene:
+    """A rotation between tips so far apart across the travel, um; where the active one ends."""
     rises = 925.0 * np.sin(np.radians(0.1))  # the travel of that task is turned against x
-    lean = np.cos(np.radians(0.1))
-    return scene(given(task(share, **changes)), share, (apart + rises) / lean)
+    found = scene(given(task(share)), share, (apart + rises) / np.cos(np.radians(0.1)))
+    end = AimDocument(relative_to="sensed part", offset_um=end_um)
+    return replace(found, rule=found.rule.model_copy(update={"dual_end_x": end}))
 
 
 def test_it_jams_up_to_the_distance_that_is_derived() -> None:
@@ -133,10 +134,9 @@ def test_what_the_ranges_leave_open_stays_open() -> None:
 
 
 def test_a_push_that_ends_before_the_grip_closes_does_not_jam() -> None:
-    found = pushing(LEAST - 20.0)
-    end = found.rule.dual_end_x.model_copy(update={"offset_um": -250.0})
     with pytest.raises(Refused, match="jams"):
-        check_jam(replace(found, rule=found.rule.model_copy(update={"dual_end_x": end})))
+        check_jam(pushing(LEAST - 20.0, end_um=-250.0))
+    assert check_jam(pushing(LEAST - 20.0, end_um=-400.0))
 
 
 def test_a_stretch_that_motions_may_leave_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -166,6 +166,32 @@ def test_tips_that_close_on_the_part_as_they_touch_it_jam_at_once() -> None:
     found = check_jam(leaning(2.3, 340.0))
     ends = [float(end) for end in found.post.theta]
     assert 2.3 < ends[0] < ends[1] < 2.31
+
+
+@pytest.mark.parametrize("what", ["_pressed", "_on_edges", "_forces"])
+def test_tips_that_may_leave_the_part_are_refused(
+    monkeypatch: pytest.MonkeyPatch, what: str
+) -> None:
+    monkeypatch.setattr(Turn, what, lambda *_: [lambda: ZERO])
+    monkeypatch.setattr(Turn, "_forces_back", lambda *_: [lambda: ZERO])
+    monkeypatch.setattr(Turn, "_exceeds", in_balls)
+    with pytest.raises(Refused, match=r"both tips|active tip"):
+        check_jam(leaning(2.3, 340.0))
+
+
+def in_balls(turn: Turn, bound: arb, *spares: Any) -> bool:
+    """What is asked of all grips, at one of them."""
+    held = turn._held(turn.pieces[0], turn.around.middle)
+    values = [[of() for of in spare(held, bound)] for spare in spares]
+    return any(all(getattr(one, "value", one) > 0 for one in own) for own in values)
+
+
+def test_a_stretch_beyond_the_end_of_the_travel_is_refused(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(jam, "_shut", lambda land, below, h_end: float(h_end) - 1e-6)
+    with pytest.raises(Refused, match="jams"):
+        check_jam(pushing(LEAST - 20.0, end_um=-400.0))
 
 
 def leaning(theta: float, reach: float) -> Scene:
