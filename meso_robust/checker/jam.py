@@ -75,6 +75,8 @@ NEAR = 2e-8
 """m of travel: how closely that place is looked for, and how long the stretch is in which no motion is left."""
 CUTS = 20
 """Cuts of a box there; what comes out is a guess."""
+SLID = 0.6
+"""Of the width between the pushed edges: how far the part is thought to slide until then."""
 ANY = (-2.0, 2.0)
 """Rates of the slide that are thought to hold all."""
 MORE = 1e-2
@@ -169,8 +171,9 @@ def _shut(land: Landing, below: float, h_end: arb) -> float:
 
 def _is(of: Formula, land: Landing, h: float) -> bool:
     """Whether something is positive wherever the part can be between tips at a distance ``h``."""
-    ahead = functools.reduce(hull, map(_ahead_at_touch, land.touching))
-    box = {**land.box, "h": side_of(arb(h)), AHEAD: ahead}
+    low, high = functools.reduce(hull, map(_ahead_at_touch, land.touching))
+    slid = (land.box["depth"][1] + land.box["depth_far"][1]) * SLID
+    box = {**land.box, "h": side_of(arb(h)), AHEAD: (low - slid, high + slid)}
     return positive(of, box, cuts=CUTS)
 
 

@@ -24,7 +24,7 @@ class Pair:
     """The active and the passive tip as functions of the variables of the move.
 
     Of the far edge the variables are ``size_far`` and ``kappa_far``: another edge than the neighbours
-    of the pushed one, so that its errors are others.
+    of the pushed one, so that its errors are others; a run may state them.
     """
 
     scene: Scene
@@ -35,8 +35,8 @@ class Pair:
     def box(self) -> Box:
         """The variables of the move."""
         box, askew = self.scene.box, self.scene.askew
-        turned = box["kappa_other"] if askew == 0 else shift(box["kappa_other"], askew)
-        far = {"size_far": box["size_other"], "kappa_far": turned}
+        size, turned = (box.get(f"{one}_far", box[f"{one}_other"]) for one in ("size", "kappa"))
+        far = {"size_far": size, "kappa_far": turned if askew == 0 else shift(turned, askew)}
         return (
             {**box, **far} if self.until_rest is None else {**box, **far, "turned": self.until_rest}
         )

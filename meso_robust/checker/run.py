@@ -2,7 +2,7 @@
 
 What the witness states replaces the task's range: errors, tips, the edge that is pushed and the travel.
 Friction at a tip changes from leg to leg, so that its range becomes the one that its values span. Drag and
-the ways of wandering probes keep the task's ranges, and so do edges that are not pushed: what is proved
+the ways of wandering probes keep the task's ranges, and so do edges that no tip touches: what is proved
 holds for the run as well.
 """
 
@@ -18,13 +18,13 @@ from meso_robust.checker.document import RuleDocument, WitnessDocument
 from meso_robust.checker.ids import place
 from meso_robust.checker.inputs import Given, PoseBox
 from meso_robust.checker.numbers import double
-from meso_robust.checker.outline import Polygon
+from meso_robust.checker.outline import Edge, Polygon
 from meso_robust.checker.ranges import ZERO, Side, hull, shift, side_of
 from meso_robust.checker.scene import Scene, frame_of, negative, scene_of
 
 TIPS = ("dtp_top", "dtp_bottom", "stp")
 """Both tips of the active probe, and the passive one."""
-TURNED = frozenset({"kappa", "direction"})
+TURNED = frozenset({"kappa", "kappa_far", "direction"})
 """Angles: in mirrored axes they have the other sign."""
 Three = tuple[arb, arb, arb]
 
@@ -96,12 +96,15 @@ class Run:
         )
 
     def _constants(self, scene: Scene, tips: Mapping[str, str], number: int) -> dict[str, Side]:
-        """Of tips, pushed edge and travel, as variables of the scene."""
-        edge, move, given = f"edge {number_of(scene)}", f"move {number + 1}", self.given
+        """Of tips, pushed and far edge and travel, as variables of the scene."""
+        edge, far = (f"edge {number_of(scene, one)}" for one in (scene.edge, scene.far))
+        move, given = f"move {number + 1}", self.given
         stated = {
             "spacing": ("tip_spacing_m", given.spacing),
             "depth": (f"{edge} out_m", given.size),
             "kappa": (f"{edge} turned_rad", given.squareness),
+            "size_far": (f"{far} out_m", given.size),
+            "kappa_far": (f"{far} turned_rad", given.squareness),
             "direction": (f"{move} direction_rad", given.direction),
             "scale": (f"{move} scale", given.scale),
             "radius_passive": (f"{tips['passive']} radius_m", given.passive_radius),
@@ -135,9 +138,9 @@ class Run:
         return side_of(_number(self.more[name], bounds))
 
 
-def number_of(scene: Scene) -> int:
-    """Number of the pushed edge, counter-clockwise from 1: a rectangle's first one lies at -y."""
-    name, mirrored = scene.edge.name, scene.frame.mirrored
+def number_of(scene: Scene, edge: Edge) -> int:
+    """Number of an edge, counter-clockwise from 1: a rectangle's first one lies at -y."""
+    name, mirrored = edge.name, scene.frame.mirrored
     if isinstance(scene.outline, Polygon):
         return (-name - 2 if mirrored else name) % len(scene.outline.corners) + 1
     return (name + 2 if mirrored else -name) % 4 + 1

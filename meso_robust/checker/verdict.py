@@ -54,7 +54,7 @@ EVIDENCE = (
 """What no check can confirm: evidence, not proof."""
 ALONE = "margin.each_alone, margin.binds_first: confirmed only with --thorough"
 OPEN = "steps, undecided: what was proved of single moves, and which inequality is open"
-MORE = "witness.more: drag, ways and edges that are not pushed, of which the task's ranges are followed"
+MORE = "witness.more: drag, ways and edges that no tip touches, of which the task's ranges are followed"
 SIMULATED = "witness.outcome: how the run fails is what the simulator found"
 REPLAY = "meso-robust simulate TASK.toml PLAN.json --witness CERTIFICATE.json"
 

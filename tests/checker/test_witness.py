@@ -117,26 +117,27 @@ def test_a_quantity_that_no_run_has_is_no_witness(name: str) -> None:
 
 @pytest.mark.parametrize("mirrored", [False, True])
 @pytest.mark.parametrize("name", ["hexagon", "l_shape", "paper"])
-def test_a_pushed_edge_has_the_number_that_the_simulator_gives_it(
+def test_an_edge_that_is_held_has_the_number_that_the_simulator_gives_it(
     name: str, *, mirrored: bool
 ) -> None:
     task = load_task(Path(meso_robust.__file__).parent / "tasks" / f"{name}.toml")
     corners = np.array([[x.mid, y.mid] for x, y in setup_of(task).outline.corners])
     own = outline(task.part).mirrored() if mirrored else outline(task.part)
     for theta in np.linspace(-4.0, 4.0, 41):
-        edge = own.facing(arb(float(theta)))
-        scene = SimpleNamespace(edge=edge, frame=SimpleNamespace(mirrored=mirrored), outline=own)
-        first = number_of(cast("Scene", scene)) - 1
-        p, q = corners[first], corners[(first + 1) % len(corners)]
-        along = q - p
-        assert (p[0] * along[1] - p[1] * along[0]) / np.hypot(*along) == pytest.approx(
-            float(edge.d1)
-        )
-        heading = np.arctan2(along[1], along[0])
-        heading = np.pi - heading if mirrored else heading  # it is run the other way
-        assert math.remainder(heading + float(edge.turn), 2.0 * math.pi) == pytest.approx(
-            0.0, abs=1e-9
-        )
+        pushed = own.facing(arb(float(theta)))
+        scene = SimpleNamespace(frame=SimpleNamespace(mirrored=mirrored), outline=own)
+        for edge in (pushed, own.opposite(pushed)[0]):
+            first = number_of(cast("Scene", scene), edge) - 1
+            p, q = corners[first], corners[(first + 1) % len(corners)]
+            along = q - p
+            assert (p[0] * along[1] - p[1] * along[0]) / np.hypot(*along) == pytest.approx(
+                float(edge.d1)
+            )
+            heading = np.arctan2(along[1], along[0])
+            heading = np.pi - heading if mirrored else heading  # it is run the other way
+            assert math.remainder(heading + float(edge.turn), 2.0 * math.pi) == pytest.approx(
+                0.0, abs=1e-9
+            )
 
 
 @pytest.mark.parametrize("schema", [1, 2])
