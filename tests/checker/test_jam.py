@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from typing import Any
@@ -131,13 +130,13 @@ def test_what_the_ranges_leave_open_stays_open() -> None:
     """At one distance some of the runs jam and others do not."""
     with pytest.raises(Refused, match=r"jam|close"):
         check_jam(pushing(LEAST - 2.0, 0.1))
-    assert check_jam(pushing(LEAST - 15.0, 0.1))
+    assert check_jam(pushing(LEAST - 15.0, 0.1)).does == named(Objection.JAMS)
 
 
 def test_a_push_that_ends_before_the_grip_closes_does_not_jam() -> None:
     with pytest.raises(Refused, match="jams"):
         check_jam(pushing(LEAST - 20.0, end_um=-250.0))
-    assert check_jam(pushing(LEAST - 20.0, end_um=-400.0))
+    assert check_jam(pushing(LEAST - 20.0, end_um=-400.0)).does == named(Objection.JAMS)
 
 
 def test_a_stretch_that_motions_may_leave_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -156,7 +155,7 @@ def test_an_idle_tip_that_may_touch_first_is_refused(ahead_deg: float) -> None:
     nearer = AimDocument(relative_to="sensed part", offset_um=RISE + (apart + spacing) / 2)
     moved = replace(found, rule=found.rule.model_copy(update={"dual_y": nearer}))
     if ahead_deg < 0:
-        assert check_jam(moved)
+        assert check_jam(moved).does == named(Objection.JAMS)
     else:
         with pytest.raises(Refused, match="idle"):
             check_jam(moved)
@@ -253,8 +252,9 @@ def test_slips_are_those_of_every_mode() -> None:
     for n in states(0, 50):
         own, other = held(n), balance.Held.at(n, n["h"], n["ahead"])
         lean = np.sqrt(1 + n["tilt"] ** 2)
-        for ways in itertools.product((-1, 1), repeat=2):
+        for ways in ((-1, -1), (-1, 1), (1, -1), (1, 1)):
             motion = other.motion(ways, own.ratios)
+            assert motion is not None
             forces = own.forces(*ways)
             found = np.array(forces.slips) / forces.divisor
             told = [other.slip(motion, D), other.slip(motion, S) / lean]
@@ -271,7 +271,7 @@ def test_no_mode_is_left_where_all_are_excluded() -> None:
         other = balance.Held.at(n, n["h"], n["ahead"])
         motions = other.motions(own.ratios)
         between, closed = (
-            all(of() > 0 for of in rows(own, 0.0)) for rows in (jam._between, jam._closings)
+            all(float(of()) > 0 for of in rows(own, ZERO)) for rows in (jam._between, jam._closings)
         )
         if between and closed:
             assert not motions
