@@ -32,6 +32,7 @@ from __future__ import annotations
 import dataclasses
 import functools
 from collections.abc import Callable, Mapping
+from typing import Any
 
 from flint import arb
 
@@ -49,6 +50,7 @@ from meso_robust.checker.ranges import (
     Box,
     Side,
     halved,
+    hull,
     positive,
     side_of,
     span,
@@ -56,12 +58,15 @@ from meso_robust.checker.ranges import (
 )
 from meso_robust.checker.refusal import Refused
 from meso_robust.checker.requirement import Part, Requirement, Variables
+from meso_robust.checker.rows import ends_of
 from meso_robust.checker.scene import Scene, direction
 
 STAGE, MOST_STAGES = arb("0.02"), 25
 """Of the turn, rad, and how many may pass before the checker gives up."""
 NEAR_CLOSING, NEAR_CREEP, NEAR_RATIO = 1e-2, 4e-3, 1e-2
 """How closely are bounded: what the gap closes, and the contact creeps, per turn, of the width; friction."""
+CUTS = 3
+"""How often a box of states is cut in four for that."""
 HALVED = 3
 """How often parts of the orientations are tried, twice as many each time."""
 SLIGHT = arb("0.01")
@@ -247,26 +252,26 @@ class Approach:
 
     def state(self, at: Point) -> State:
         """The part, its contact and the passive tip."""
-        c, s = direction(self.angle(at))
-        place, turned = self.place(at), self.pair.turned(at)
+        c, s = map(tight, direction(self.angle(at)))
+        place, turned = tight(self.place(at)), self.pair.turned(at)
         near = at["depth"] + at["radius_lower"]
         out = self.pair.depth_far(at) + at["radius_passive"] + at["open"]
         apart = self.pair.V(at) + at["stray"] if "stray" in at else self.pair.V(at)
         tilt: Number = EVEN
         cosine: Number = EVEN
         if turned is None:
-            b = (place * s - (near + out) * c - apart) / s
+            b = tight((place * s - (near + out) * c - apart) / s)
         else:
             tilt, cosine = turned.tan(), direction(turned)[0]
             out = out / cosine
-            b = (place * s - (near + out) * c - apart) / (s + c * tilt)
-            out = out + b * tilt
+            b = tight((place * s - (near + out) * c - apart) / (s + c * tilt))
+            out = tight(out + b * tilt)
         return State(
-            c=tight(c),
-            s=tight(s),
-            place=tight(place),
-            b=tight(b),
-            out=tight(out),
+            c=c,
+            s=s,
+            place=place,
+            b=b,
+            out=out,
             film=self.scene.film(at),
             depth=at["depth"],
             tilt=tilt,
@@ -370,10 +375,11 @@ def _stages(pair: Pair) -> list[Approach]:
     free |= {name: side for name, side in pair.instants().items() if name == "stray"}
     trend = _trend(Approach(pair, free, (ZERO, STAGE), most))
     stages: list[Approach] = []
-    crept, start = START, ZERO
+    crept, rates, start = START, [START], ZERO
     for _ in range(MOST_STAGES):
         stage = Approach(pair, free, (start, start + STAGE), most, trend=trend)
-        stage, crept = _confirmed(stage, crept)
+        stage, crept, found = _confirmed(stage, crept, _expected(*rates[-2:]))
+        rates.append(found)
         slow, fast = _closes(stage)
         soonest, latest = start + (least / fast).max(ZERO), start + most / slow
         end = start + STAGE
@@ -386,31 +392,44 @@ def _stages(pair: Pair) -> list[Approach]:
     raise Refused(named(Objection.COMES_TO_REST), "a closed gap", "a gap that stays open")
 
 
-def _confirmed(stage: Approach, before: Side) -> tuple[Approach, Side]:
-    """With bounds of the mean creep; and those of it at the end. ``before``: those at the start."""
-    start, end = stage.turned
-    guess = before
+def _confirmed(stage: Approach, before: Side, guess: Side) -> tuple[Approach, Side, Side]:
+    """With bounds of the mean creep; those of it at the end, and of its rates.
+
+    ``before``: those of the mean creep at the start, ``guess``: of the rates.
+    """
     for _ in range(GUESSES):
-        after = tuple(
-            (a * start + b * (end - start)) / end for a, b in zip(before, guess, strict=True)
-        )
-        mean = after if start == 0 else (before[0].min(after[0]), before[1].max(after[1]))
-        trial = dataclasses.replace(stage, creep=(mean[0].lower(), mean[1].upper()))
+        trial = dataclasses.replace(stage, creep=_mean(stage, before, guess))
         trial = dataclasses.replace(trial, ratio=_ratio(trial))
         for rate in ("lever", "pressing", "closing"):
             if not positive(functools.partial(_rate, trial, rate), trial.box()):
                 raise Refused(named(Objection.PUSHES_ONTO_PASSIVE), "> 0", rate)
         found = _creep(trial)
         if _inside(found, guess):
-            return trial, (after[0].lower(), after[1].upper())
+            # no state that follows from the guess has other rates than these
+            after = _after(stage, before, found)
+            return trial, (after[0].lower(), after[1].upper()), found
         guess = _enlarged(found)
     raise Refused(named(Objection.COMES_TO_REST), "bounded rates", "no bound")
+
+
+def _after(stage: Approach, before: Side, rates: Side) -> Side:
+    """Bounds of the mean creep at the end of a stage, from those at its start and those of the rates."""
+    start, end = stage.turned
+    low, high = ((a * start + b * (end - start)) / end for a, b in zip(before, rates, strict=True))
+    return low, high
+
+
+def _mean(stage: Approach, before: Side, rates: Side) -> Side:
+    """The same of all instants of the stage."""
+    after = _after(stage, before, rates)
+    mean = after if stage.turned[0] == 0 else hull(before, after)
+    return mean[0].lower(), mean[1].upper()
 
 
 def _closes(stage: Approach) -> Side:
     """By how much the gap closes per turn."""
     near = NEAR_CLOSING * 2.0 * float(stage.scene.d1)
-    slow, fast = span(functools.partial(_rate, stage, "closes"), stage.box(), within=near)
+    slow, fast = ends_of(functools.partial(_rate, stage, "closes"), stage.box(), near, CUTS)
     if not slow > 0:
         raise Refused(named(Objection.PUSHES_ONTO_PASSIVE), "> 0", "closes")
     return slow, fast
@@ -451,17 +470,17 @@ def _creep(trial: Approach) -> Side:
     """
     box, mu = trial.box(), trial.scene.box[trial.scene.mu(ACTIVE)]
     near = NEAR_CREEP * 2.0 * float(trial.scene.d1)
-    rests = span(lambda at: -trial.trend.rate(at), box, within=near)
+    rests = ends_of(lambda at: -trial.trend.rate(at), box, near, CUTS)
     one_way = [sign for sign, most in ((-1, trial.ratio[1]), (1, -trial.ratio[0])) if most < mu[0]]
     if len(one_way) == 2:
         return rests
     sign = one_way[0] if one_way else 0
     ratios = {-1: (-mu[1], -mu[0]), 1: mu, 0: trial.ratio}
 
-    def off_trend(at: Point) -> Dual:
+    def off_trend(at: Any) -> Any:
         return _rate(trial, "creep", at) - trial.trend.rate(at)
 
-    slides = span(off_trend, {**box, "k": ratios[sign]}, within=near)
+    slides = ends_of(off_trend, {**box, "k": ratios[sign]}, near, CUTS)
     if sign == 0:
         return slides
     if sign < 0:
@@ -469,9 +488,9 @@ def _creep(trial: Approach) -> Side:
     return slides[0].max(rests[0]), slides[1].max(rests[1])
 
 
-def _rate(trial: Approach, rate: str, at: Point) -> Dual:
-    found: Dual = getattr(trial.state(at), rate)
-    return found
+def _rate(trial: Approach, rate: str, at: Any) -> Any:
+    """One of the rates, at a point or at many."""
+    return getattr(trial.state(at), rate)
 
 
 def _ratio(trial: Approach) -> Side:
@@ -493,6 +512,13 @@ def _ratio(trial: Approach) -> Side:
 def _clipped(low: arb, least_mu: arb, most_mu: arb) -> arb:
     """Lower bound of a ratio that is at least ``low`` before it is clipped to [-mu, mu]."""
     return low.max(-most_mu) if low < 0 else low.min(least_mu)
+
+
+def _expected(*rates: Side) -> Side:
+    """A guess of bounds of rates from those in the last stages: they go on as they changed."""
+    before, last = rates[0], rates[-1]
+    low, high = (2 * b - a for a, b in zip(before, last, strict=True))
+    return _enlarged((low, high) if low < high else last)
 
 
 def _inside(one: Side, other: Side) -> bool:

@@ -152,7 +152,7 @@ class Grip:
         if not sides.parallel:
             W_S, sine = W_S + t * b, t / sides.stretched
         level = sides.radius_far / sides.stretched
-        r = b + sides.radius_far * sine - sides.drag_a
+        r = settled(b + sides.radius_far * sine - sides.drag_a)
         apart = T if sides.parallel else T - sides.radius_far * sine
         f, g = (c, s) if bend is EVEN else (c + s * bend, s - c * bend)
         if sides.parallel:  # the same as below, without what cancels in it
@@ -170,7 +170,7 @@ class Grip:
             apart=apart,
             share=share,
             e_moving=sides.depth - sides.drag_n,
-            e_resting=W_S - level + sides.drag_n,
+            e_resting=settled(W_S - level + sides.drag_n),
             level_moving=sides.radius,
             level_resting=level,
             tilt=t,
@@ -241,7 +241,7 @@ class Grip:
         else:
             A_S = 1 + film.stretch - film.shear * ratio
             tangent, lever, turning = B_S / A_S, m_S / A_S, film.rho / room
-        uneven = tight(P) / tight(H)  # P is zero where equal ratios cancel
+        uneven = settled(tight(P) / tight(H))  # P is zero where equal ratios cancel
         if t is EVEN:
             more = uneven * (turning + R * lever) + by_turn
             return self.g * (self.share * tangent + more / self.apart) + still
@@ -250,7 +250,7 @@ class Grip:
         whole = self.apart + t * (
             self.p * tangent - self.e_resting + uneven * (turning + self.p * lever)
         )
-        return self.g * (along + spin * by_turn) / whole + still
+        return self.g * settled(along + spin * by_turn) / settled(whole) + still
 
     def _span(self, film: Drag, k: Real, ratio: Real) -> tuple[Real, Real, Real]:
         """H, P and B'."""
@@ -366,7 +366,7 @@ def _moved(
     (c, s, T), (x, y, across, leaned, moved), (W, t, ahead) = values, changes, ends
     along, across = x * c + y * s, across - x * s + y * c
     if t is EVEN:
-        turned = across / T
+        turned = settled(across / T)
         grown = along - turned * W
     else:
         b = -ahead if tip == S else -ahead - T
@@ -374,7 +374,8 @@ def _moved(
         across = across + leaned * b - moved * t
         # b changes with T as well if the part is ahead of D
         share = 0 if tip == S else t
-        grown = (along - across * (W / T)) / (1 - share * W / T)
+        across = settled(across)
+        grown = settled((along - across * (W / T)) / (1 - share * W / T))
         turned = (across - grown * share) / T
     return turned * -s, turned * c, grown
 
@@ -402,6 +403,11 @@ def _values(
 def tight(value: Real) -> Real:
     """The same, narrowed where a kind of number can be."""
     return value.tight() if isinstance(value, Rows) else value
+
+
+def settled(value: Real) -> Real:
+    """The same, its slopes worked out where a kind of number puts that off."""
+    return value.settled() if isinstance(value, Rows) else value
 
 
 def squared(value: Real) -> Real:

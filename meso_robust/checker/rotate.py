@@ -120,7 +120,7 @@ class Landing:
     def starts(self) -> list[Start]:
         """Where the turn between both tips can begin."""
         return [
-            Start(one.box_at_touch(), one.lead, self.at_touch, own, LABELS)
+            Start(one.box_at_touch(), one.lead, self.at_touch, own, LABELS, like=id(one.trend))
             for one, own in zip(self.touching, self.spans, strict=True)
         ]
 
@@ -366,10 +366,10 @@ class Turn:
         )
 
     def _left(self, pieces: list[Piece], spare: Spare, bound: arb) -> list[Piece]:
-        """The pieces of which it is not shown when all of one tip are looked at together."""
-        found = [one for one in pieces if one.lower.tip != one.upper.tip]
-        for tip in (D, S):
-            own = [one for one in pieces if one.lower.tip == one.upper.tip == tip]
+        """The pieces of which it is not shown when all with barriers ahead of the same tips are looked at together."""
+        found = []
+        for tips in itertools.product((D, S), repeat=2):
+            own = [one for one in pieces if (one.lower.tip, one.upper.tip) == tips]
             if own:
                 shown = self._together(own, spare, bound)
                 found += [one for one, is_so in zip(own, shown, strict=True) if not is_so]

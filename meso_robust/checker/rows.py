@@ -51,22 +51,38 @@ class Boxes:
         middle = np.clip(0.5 * (self.low + self.high), self.low, self.high)
         reach = _up(np.maximum(self.high - middle, middle - self.low))
         ends = np.array([np.hstack([-self.low, -middle]), np.hstack([self.high, middle])])
-        found = {}
-        for k, name in enumerate(self.names):
-            own = np.zeros((2, 1 + len(self.names), 2 * self.count))
-            own[:, 0], own[0, 1 + k], own[1, 1 + k] = ends[:, k], -1.0, 1.0
-            found[name] = Rows(own, reach)
-        return found
+        return {
+            name: Rows(ends[:, k], reach, own=Slopes(np.array([k]), ONE[:, None]))
+            for k, name in enumerate(self.names)
+        }
+
+    def amid(self) -> Boxes:
+        """Their middles, as boxes."""
+        middle = np.clip(0.5 * (self.low + self.high), self.low, self.high)
+        return Boxes(self.names, middle, middle)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Slopes:
+    """Slopes of a quantity over boxes, along some of the variables; zero along the others."""
+
+    places: npt.NDArray[np.int64]
+    ends: Floats
+    """(2, variables, boxes)"""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Rows:
-    """Enclosures of a quantity (first row) and its slopes (the others; none of a constant)."""
+    """Enclosures of a quantity, and what its slopes follow from (nothing of a constant)."""
 
     ends: Floats
     """Lower ends with their signs changed, and upper ends: both grow as an interval widens."""
     reach: Floats | None = None
     """By how much each variable differs from its middle at most."""
+    links: tuple[Link, ...] = ()
+    """Quantities that it was worked out from, with its slopes along them over the boxes."""
+    own: Slopes | None = None
+    """Slopes along variables, besides those by the links."""
 
     __array_ufunc__ = None  # so that an array on the left leaves the operation to this class
 
@@ -74,9 +90,8 @@ class Rows:
     def constant(cls, value: Any) -> Rows:
         """The same number in every column, or one a column."""
         if isinstance(value, arb):
-            ends = np.zeros((2, 1)) if value.is_zero() else _around(value)
-            return cls(ends.reshape(2, 1, 1))
-        exact = np.asarray(value, dtype=np.float64).reshape(1, -1)
+            return cls((np.zeros(2) if value.is_zero() else _around(value))[:, None])
+        exact = np.asarray(value, dtype=np.float64).reshape(-1)
         return cls(np.array([-exact, exact]))
 
     @property
@@ -90,45 +105,38 @@ class Rows:
         return self.ends[1]
 
     @property
-    def single(self) -> bool:
-        """Whether there are no slopes."""
-        return self.ends.shape[1] == 1
+    def over(self) -> Floats:
+        """Ends over the boxes, middles left out."""
+        return self.ends if self.reach is None else self.ends[:, : self.reach.shape[1]]
 
     def __neg__(self) -> Rows:
-        return Rows(self.ends[::-1], self.reach)
+        return _made(self.ends[::-1], (self, -1))
 
     def __add__(self, other: Any) -> Rows:
-        one, two = self, _rows(other)
-        if one.ends.shape[1] < two.ends.shape[1]:
-            one, two = two, one
-        if two.ends.shape[1] == one.ends.shape[1]:
-            return Rows(_outward(one.ends + two.ends), one.reach)
-        value = _outward(one.ends[:, :1] + two.ends)
-        return Rows(_with_slopes(value, one.ends[:, 1:]), one.reach)
+        two = _rows(other)
+        return _made(_outward(self.ends + two.ends), (self, 1), (two, 1))
 
     __radd__ = __add__
 
     def __sub__(self, other: Any) -> Rows:
-        return self + -_rows(other)
+        two = _rows(other)
+        return _made(_outward(self.ends + two.ends[::-1]), (self, 1), (two, -1))
 
     def __rsub__(self, other: Any) -> Rows:
-        return -self + other
+        return _rows(other) - self
 
     def __mul__(self, other: Any) -> Rows:
-        if isinstance(other, int | float):
-            ends = self.ends if other >= 0 else self.ends[::-1]
-            return Rows(_outward(ends * abs(other)), self.reach)
-        one, two = self, _rows(other)
-        if one.ends.shape[1] < two.ends.shape[1]:
-            one, two = two, one
-        ends = _product(two.ends[:, :1], one.ends)
-        if not two.single:
-            slopes = ends[:, 1:]
-            slopes += _product(one.ends[:, :1], two.ends[:, 1:])
-            _outward(slopes)
-        return Rows(ends, one.reach)
+        two = _rows(other)
+        ends = _product(self.ends, two.ends)
+        return _made(ends, (self, self._beside(two)), (two, two._beside(self)))
 
     __rmul__ = __mul__
+
+    def _beside(self, other: Rows) -> Floats:
+        """Ends of another factor over the boxes of this one."""
+        if other.reach is None and self.reach is not None and other.ends.shape[1] > 1:
+            return other.ends[:, : self.reach.shape[1]]
+        return other.over
 
     def __truediv__(self, other: Any) -> Rows:
         return self * _rows(other)._inverse()
@@ -137,96 +145,151 @@ class Rows:
         return self._inverse() * other
 
     def _inverse(self) -> Rows:
-        ends = self.ends[:, :1]
-        safe = (ends < 0).any(axis=0)
-        own = Rows(_outward(np.where(safe, -1 / ends[::-1], np.inf)))
-        return own if self.single else self._chain(own, -own.squared())
-
-    def _chain(self, value: Rows, slope: Rows) -> Rows:
-        if self.single:
-            return value
-        return Rows(_with_slopes(value.ends, _product(slope.ends, self.ends[:, 1:])), self.reach)
+        safe = (self.ends < 0).any(axis=0)
+        ends = _outward(np.where(safe, -1 / self.ends[::-1], np.inf))
+        return _made(ends, (self, _square(self._beside(Rows(ends)))[::-1]))
 
     def plain(self) -> Rows:
         """The value without its slopes."""
-        return Rows(self.ends[:, :1])
+        return Rows(self.ends)
 
     def change(self) -> Rows:
         """The slopes, of the value zero."""
-        ends = self.ends.copy()
-        ends[:, 0] = 0.0
-        return Rows(ends, self.reach)
+        return _made(np.zeros_like(self.ends), (self, 1))
 
     def moving(self, slopes: Rows) -> Rows:
         """The value with other slopes."""
-        if slopes.single:
-            return self.plain()
-        return Rows(_with_slopes(self.ends[:, :1], slopes.ends[:, 1:]), slopes.reach)
+        return _made(self.ends, (slopes, 1))
 
     def squared(self) -> Rows:
         """Its square, never negative."""
-        ends = self.ends[:, :1]
-        least = np.maximum(-ends.min(axis=0), 0.0)
-        own = _outward(np.array([-least * least, np.square(ends.max(axis=0))]))
-        own[0] = np.where(least > 0, own[0], 0.0)
-        value = Rows(own)
-        return value if self.single else self._chain(value, self.plain() * 2)
+        return _made(_square(self.ends), (self, self.over * 2.0))
 
     def sqrt(self) -> Rows:
         """Square root; not a number where the radicand may be negative."""
-        low, high = -self.ends[0, :1], self.ends[1, :1]
-        own = _outward(np.array([-np.sqrt(low), np.sqrt(high)]))
-        own[0] = np.where(own[0] > 0, 0.0, own[0])
-        value = Rows(own)
-        return value if self.single else self._chain(value, value._inverse() * 0.5)
+        ends = _outward(np.array([-np.sqrt(-self.ends[0]), np.sqrt(self.ends[1])]))
+        ends[0] = np.minimum(ends[0], 0.0)
+        half = Rows(self._beside(Rows(ends)))._inverse() * 0.5
+        return _made(ends, (self, half.ends))
 
     def sin_cos(self) -> tuple[Rows, Rows]:
         """Sine and cosine, from those of one angle amid all and the Taylor polynomials about it.
 
         Not a number where an angle is more than :data:`FAR` from it.
         """
-        own = self.ends[:, 0]
+        own = self.ends
         amid = float(0.5 * (own[1].max() - own[0].max()))
         s, c = (Ends(_around(part)[:, None]) for part in arb(amid).sin_cos())
         off = Ends(_outward(own + np.array([[amid], [-amid]])))
-        reach = off.ends.max(axis=0)
-        near = np.where(reach < FAR, 0.0, np.nan)
-        square = Ends(Rows(off.ends[:, None]).squared().ends[:, 0])
+        near = np.where(off.ends.max(axis=0) < FAR, 0.0, np.nan)
+        square = Ends(_square(off.ends))
         rest = np.full(own.shape, REMAINDER) + near
         sine, cosine = Ends(rest), Ends(rest)
         for n in range(TERMS, -1, -1):
             sine = sine * square + _factor(2 * n + 1, (-1) ** n)
             cosine = cosine * square + _factor(2 * n, (-1) ** n)
         sine = sine * off
-        both = s * cosine + c * sine, c * cosine + -(s * sine)
-        sin, cos = (Rows(one.ends[:, None]) for one in both)
-        return self._chain(sin, cos), self._chain(cos, -sin)
+        sin, cos = (Rows(one.ends) for one in (s * cosine + c * sine, c * cosine + -(s * sine)))
+        return (
+            _made(sin.ends, (self, self._beside(cos))),
+            _made(cos.ends, (self, self._beside(sin)[::-1])),
+        )
 
     def tan(self) -> Rows:
         """Tangent."""
         sine, cosine = self.sin_cos()
         return sine / cosine
 
+    def settled(self) -> Rows:
+        """The same, its slopes along variables worked out."""
+        if self.reach is None or not self.links:
+            return self
+        return Rows(self.ends, self.reach, own=_backward(self, self.reach))
+
+    def slopes(self) -> Floats:
+        """Ends of the slopes along all variables: (2, variables, boxes)."""
+        if self.reach is None:
+            raise ValueError("a constant has no slopes")
+        found, own = np.zeros((2, *self.reach.shape)), self.settled().own
+        if own is not None:
+            found[:, own.places] = own.ends
+        return found
+
     def tight(self) -> Rows:
         """The same, the value over a box narrowed by that at its middle and the slopes."""
-        if self.reach is None or self.single:
+        if self.reach is None:
             return self
-        ends, count = self.ends.copy(), self.reach.shape[1]
-        ends[:, 0, :count] = np.minimum(ends[:, 0, :count], self.by_middle())
-        return Rows(ends, self.reach)
+        settled, ends, count = self.settled(), self.ends.copy(), self.reach.shape[1]
+        ends[:, :count] = np.minimum(ends[:, :count], settled.by_middle())
+        return Rows(ends, self.reach, own=settled.own)
 
     def by_middle(self) -> Floats:
         """Both ends over each box by the mean value theorem, as in ``ends``."""
-        if self.reach is None:
+        own = self.settled().own
+        if self.reach is None or own is None:
             raise ValueError("a constant has no middle")
-        count = self.reach.shape[1]
-        off = _up(self.steepest(count) * self.reach).sum(axis=0)
+        off = _up(own.ends.max(axis=0) * self.reach[own.places]).sum(axis=0)
         off = _up(off * (1.0 + len(self.reach) * EPS))
-        return _outward(self.ends[:, 0, count:] + off)
+        return _outward(self.ends[:, self.reach.shape[1] :] + off)
 
-    def steepest(self, count: int) -> Floats:
-        """Largest absolute values of the slopes over the first boxes."""
-        return np.asarray(self.ends[:, 1:, :count].max(axis=0))
+
+def _made(ends: Floats, *sources: Link) -> Rows:
+    """A quantity with slopes along what it is made from, as far as that is not constant."""
+    links = tuple(link for link in sources if link[0].reach is not None)
+    return Rows(ends, links[0][0].reach, links) if links else Rows(ends)
+
+
+Slope: TypeAlias = "int | npt.NDArray[Any]"
+"""1, -1, whether it is 1 or 0 in each box, or ends."""
+Link: TypeAlias = tuple[Rows, Slope]
+ONE = np.array([[-1.0], [1.0]])
+
+
+def _backward(of: Rows, reach: Floats) -> Slopes:
+    """Slopes along all variables: from a quantity back to what it was worked out from.
+
+    Along each quantity on the way the slope is the sum of those along what was worked out from it, each times
+    the slope of that along this one. So every quantity is passed once, however many variables there are.
+    """
+    found = np.zeros((2, *reach.shape))
+    touched = np.zeros(len(reach), dtype=bool)
+    weights: dict[int, Floats] = {id(of): ONE}
+    for one in _from_last_to_first(of):
+        weight = weights.pop(id(one))
+        if one.own is not None:
+            places = one.own.places
+            found[:, places] = _outward(
+                found[:, places] + _product(weight[:, None], one.own.ends)
+            )
+            touched[places] = True
+        for source, slope in one.links:
+            more, known = _passed(weight, slope), weights.get(id(source))
+            weights[id(source)] = more if known is None else _outward(known + more)
+    places = np.flatnonzero(touched)
+    return Slopes(places, found[:, places])
+
+
+def _from_last_to_first(of: Rows) -> list[Rows]:
+    """All that a quantity was worked out from, each before its own sources."""
+    seen: set[int] = set()
+    order: list[Rows] = []
+    stack: list[tuple[Rows, bool]] = [(of, False)]
+    while stack:
+        one, done = stack.pop()
+        if done:
+            order.append(one)
+        elif id(one) not in seen:
+            seen.add(id(one))
+            stack.append((one, True))
+            stack += ((source, False) for source, _ in one.links)
+    return order[::-1]
+
+
+def _passed(weight: Floats, slope: Slope) -> Floats:
+    """A slope along a quantity passed on to one of its sources."""
+    if isinstance(slope, int):
+        return weight if slope > 0 else weight[::-1]
+    return np.where(slope, weight, 0.0) if slope.dtype == bool else _product(weight, slope)
 
 
 FAR, TERMS = 0.5, 6
@@ -248,19 +311,12 @@ def _around(value: arb) -> Floats:
 
 def choose(first: npt.NDArray[np.bool_], one: Rows, other: Rows) -> Rows:
     """``one`` in some columns, ``other`` in the rest; both with slopes."""
-    return Rows(np.where(first, one.ends, other.ends), one.reach)
+    over = first[: len(first) // 2]
+    return _made(np.where(first, one.ends, other.ends), (one, over), (other, ~over))
 
 
 def _rows(value: Any) -> Rows:
     return value if isinstance(value, Rows) else Rows.constant(value)
-
-
-def _with_slopes(value: Floats, slopes: Floats) -> Floats:
-    """Ends of a value and of its slopes in one array; either may be the same in every column."""
-    wide = max(value.shape[2], slopes.shape[2])
-    ends = np.empty((2, 1 + slopes.shape[1], wide))
-    ends[:, :1], ends[:, 1:] = value, slopes
-    return ends
 
 
 def _outward(ends: Floats) -> Floats:
@@ -278,15 +334,20 @@ def _up(value: Floats) -> Floats:
 
 def _product(one: Floats, other: Floats) -> Floats:
     """Ends of the products of two intervals."""
-    # the products of unlike ends with their signs changed, and of like ends
-    every = one * other[PAIRED]
-    first, second = every[:, 0], every[:, 1]
-    ends, least = np.maximum(first, second), np.minimum(first, second)
+    # of unlike ends with their signs changed and of like ones; then the other way round
+    first, second = one[0] * other[::-1], one[1] * other
+    least = np.minimum(first, second)
+    ends = np.maximum(first, second, out=first)
     np.maximum(ends, np.negative(least, out=least)[::-1], out=ends)
     return _outward(ends)
 
 
-PAIRED = np.array([[1, 0], [0, 1]])
+def _square(ends: Floats) -> Floats:
+    """Ends of squares, never negative."""
+    least = np.maximum(-ends.min(axis=0), 0.0)
+    found = _outward(np.array([-least * least, np.square(ends.max(axis=0))]))
+    found[0] = np.minimum(found[0], 0.0)
+    return found
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -303,7 +364,7 @@ class Ends:
     @classmethod
     def of(cls, values: Sequence[Rows]) -> Ends:
         """What some quantities can be, a row each."""
-        every = np.broadcast_arrays(*(value.ends[:, 0] for value in values))
+        every = np.broadcast_arrays(*(value.ends for value in values))
         return cls(np.stack(every, axis=1))
 
     def __neg__(self) -> Ends:
@@ -314,6 +375,12 @@ class Ends:
 
     def __mul__(self, other: Ends) -> Ends:
         return Ends(_product(other.ends, self.ends))
+
+    def over(self, like: Rows) -> Ends:
+        """Over the boxes of a quantity, middles left out."""
+        if like.reach is None or self.ends.shape[-1] == 1:
+            return self
+        return Ends(self.ends[..., : like.reach.shape[1]])
 
     def row(self, k: int) -> Ends:
         """One row."""
@@ -332,12 +399,9 @@ class Ends:
 
 
 def joined(value: Ends, slopes: Mapping[int, Ends], like: Rows) -> Rows:
-    """A quantity from its value and those of its slopes that are not zero, by their places."""
-    ends = np.zeros_like(like.ends)
-    ends[:, 0] = value.ends
-    for place, slope in slopes.items():
-        ends[:, 1 + place] = slope.ends
-    return Rows(ends, like.reach)
+    """A quantity from its value and, over the boxes, those of its slopes that are not zero, by their places."""
+    every = np.stack(np.broadcast_arrays(*(slope.ends for slope in slopes.values())), axis=1)
+    return Rows(value.ends, like.reach, own=Slopes(np.array(list(slopes)), every))
 
 
 EXACT = arb(1e-14)
@@ -346,10 +410,17 @@ EXACT = arb(1e-14)
 
 def boxes_of(box: Box, count: int) -> tuple[Boxes, dict[str, Rows]]:
     """A box, so many times, and what is a number in it."""
-    wide = {name: ends for name, ends in box.items() if varies(ends)}
-    exact = {name: Rows.constant(whole(s)) for name, s in box.items() if name not in wide}
-    ends = np.array([[_below(low), _above(high)] for low, high in wide.values()])
-    low, high = (np.repeat(ends[:, end, None], count, axis=1) for end in (0, 1))
+    boxes, exact = boxes_of_all([box])
+    return boxes.of(np.zeros(count, dtype=np.int64)), exact
+
+
+def boxes_of_all(every: Sequence[Box]) -> tuple[Boxes, dict[str, Rows]]:
+    """Boxes of the same variables, and what is one number in all of them."""
+    first = every[0]
+    wide = [name for name, s in first.items() if any(varies(b[name]) or b[name] != s for b in every)]
+    exact = {name: Rows.constant(whole(s)) for name, s in first.items() if name not in wide}
+    low = np.array([[_below(box[name][0]) for box in every] for name in wide])
+    high = np.array([[_above(box[name][1]) for box in every] for name in wide])
     return Boxes(tuple(wide), low, high), exact
 
 
@@ -372,9 +443,15 @@ Of: TypeAlias = Callable[[Mapping[str, Rows], npt.NDArray[np.int64]], Rows]
 
 
 def lowest(
-    of: Of, boxes: Boxes, close: float, cuts: int, enough: float = np.inf, rough: float = 0.0
+    of: Of,
+    boxes: Boxes,
+    close: float,
+    cuts: int,
+    enough: float = np.inf,
+    hopeless: float = -np.inf,
+    groups: npt.NDArray[np.int64] | None = None,
 ) -> Floats:
-    """Proved lower bounds of a formula, one a box; minus infinity where nothing was proved.
+    """Proved lower bounds of a formula, one a box or group; minus infinity where nothing was proved.
 
     Parameters
     ----------
@@ -383,31 +460,84 @@ def lowest(
     close
         How close to the least value a bound need not get closer.
     cuts
-        How often a box may be cut in two.
+        How often a box may be cut in four.
     enough
         A bound above this needs no cut either.
-    rough
-        Nor does one that is within this share of a negative least value.
+    hopeless
+        Where no more than this is attained it is told instead of a bound: the least value that was seen.
+    groups
+        Which of the groups 0, 1, ... each box belongs to; None: a group each.
     """
-    found, which = np.full(boxes.count, np.inf), np.arange(boxes.count)
-    best = np.full(boxes.count, np.inf)
+    which = np.arange(boxes.count)
+    groups = which if groups is None else groups
+    found, best = np.full((2, groups.max(initial=-1) + 1), np.inf)
     for left in range(cuts, -1, -1):
         seen = _seen(of, boxes, which)
         closer = seen.boxes
-        # what can be narrowed is looked at again, if the whole box is not enough already
+        # what can be narrowed is looked at again, if the whole box is not enough already and is not cut next
         moved = (closer.low != boxes.low) | (closer.high != boxes.high)
-        again = moved.any(axis=0) & ~(seen.low > enough)
+        again = moved.any(axis=0) & ~(seen.low > enough) & (left in (0, cuts))
         if again.any():
             seen.put(again, _seen(of, closer.of(again), which[again]))
-        np.minimum.at(best, which, seen.attained)
-        least, weight = best[which], seen.steep * (closer.high - closer.low)
-        more = (seen.low <= enough) & (least - seen.low > np.fmax(close, rough * -least))
+        group = groups[which]
+        np.minimum.at(best, group, seen.attained)
+        least, weight = best[group], seen.steep * (closer.high - closer.low)
+        more = (seen.low <= enough) & (least - seen.low > close) & (least > hopeless)
         more &= (weight.max(axis=0, initial=0.0) > 0) & (left > 0)
-        np.minimum.at(found, which[~more], seen.low[~more])
+        np.minimum.at(found, group[~more], seen.low[~more])
         if not more.any():
             break
-        boxes, which = halves(closer.of(more), weight[:, more]), np.tile(which[more], 2)
-    return found
+        boxes, which = quarters(closer.of(more), weight[:, more]), np.tile(which[more], 4)
+    return np.where(best <= hopeless, best, found)
+
+
+Plain: TypeAlias = Callable[[Mapping[str, Rows]], Rows]
+"""A formula of the variables."""
+
+
+def ends_of(of: Plain, box: Box, close: float, cuts: int) -> Side:
+    """Proved lower and upper bound of a formula over a box.
+
+    Parameters
+    ----------
+    of, box
+        The formula and the box of its variables.
+    close, cuts
+        As of :func:`lowest`.
+
+    Returns
+    -------
+    Side
+        Exact numbers; infinite where nothing was proved.
+    """
+    low, most = _signed(of, [box, box], np.array([1.0, -1.0]), close, cuts)
+    return low, -most
+
+
+def most_of(of: Plain, every: Sequence[Box], close: float, cuts: int) -> list[arb]:
+    """Proved upper bounds of a formula, one a box; the rest as of :func:`ends_of`."""
+    return [-one for one in _signed(of, every, np.full(len(every), -1.0), close, cuts)]
+
+
+def _signed(
+    of: Plain, every: Sequence[Box], signs: Floats, close: float, cuts: int
+) -> list[arb]:
+    """Proved lower bounds of a formula times a sign, one a box."""
+    boxes, exact = boxes_of_all(every)
+
+    def signed(at: Mapping[str, Rows], which: npt.NDArray[np.int64]) -> Rows:
+        return of({**exact, **at}) * Rows.constant(signs[which])
+
+    with np.errstate(all="ignore"):  # what is not a number proves nothing
+        return [arb(float(low)) for low in lowest(signed, boxes, close, cuts)]
+
+
+def quarters(boxes: Boxes, weight: Floats) -> Boxes:
+    """Every box cut in four, along what matters most and along what does next."""
+    half, rest = halves(boxes, weight), np.tile(weight, 2)
+    best = weight.argmax(axis=0)
+    rest[np.tile(best, 2), np.arange(half.count)] *= 0.5
+    return halves(half, rest)
 
 
 def halves(boxes: Boxes, weight: Floats) -> Boxes:
@@ -440,7 +570,7 @@ class _Seen:
         self.steep[:, where] = closer.steep
 
 
-AT_ONCE = 128
+AT_ONCE = 1024
 """Boxes that are looked at in one go: their arrays stay where they are worked at, in a cache."""
 
 
@@ -466,10 +596,11 @@ def _seen(of: Of, boxes: Boxes, which: npt.NDArray[np.int64]) -> _Seen:
 
 def _seen_at_once(of: Of, boxes: Boxes, which: npt.NDArray[np.int64]) -> _Seen:
     count = boxes.count
-    value = of(boxes.points(), np.concatenate([which, which]))
-    grows, falls = (end <= 0 for end in value.ends[:, 1:, :count])
-    bound = -np.minimum(value.ends[0, 0, :count], value.by_middle()[0])
-    attained, steep = value.ends[1, 0, count:], value.steepest(count)
+    value = of(boxes.points(), np.concatenate([which, which])).settled()
+    slopes = value.slopes()
+    grows, falls = slopes <= 0
+    bound = -np.minimum(value.ends[0, :count], value.by_middle()[0])
+    attained, steep = value.ends[1, count:], slopes.max(axis=0)
     return _Seen(
         np.where(np.isfinite(bound), bound, -np.inf),
         np.where(np.isfinite(attained), attained, np.inf),

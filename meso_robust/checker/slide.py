@@ -27,7 +27,7 @@ from __future__ import annotations
 import dataclasses
 import itertools
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Hashable, Iterator, Mapping, Sequence
 from functools import partial
 from typing import Any
 
@@ -41,7 +41,7 @@ from meso_robust.checker.grip import D, Drag, Grip, Real, S, Sides
 from meso_robust.checker.guess import Flow, Guess, first_ahead, rate
 from meso_robust.checker.ids import Objection, named
 from meso_robust.checker.pushing import UNIT
-from meso_robust.checker.ranges import ZERO, Box, Formula, Side, least, whole
+from meso_robust.checker.ranges import ZERO, Box, Side, whole
 from meso_robust.checker.refusal import Refused
 from meso_robust.checker.rows import (
     Boxes,
@@ -49,7 +49,9 @@ from meso_robust.checker.rows import (
     Floats,
     Rows,
     boxes_of,
+    boxes_of_all,
     choose,
+    ends_of,
     halves,
     joined,
     lowest,
@@ -59,12 +61,11 @@ from meso_robust.checker.rows import (
 LONG, SHORT = 7e-2, 7e-3
 """Of the width between the pushed edges; pieces are at most and, if they are no barrier, at least about
 as long."""
-CUTS, HALVED = 6, 1
-"""How often a box is cut in two before something else is tried (a steeper slope, or balls): for a closer
+CUTS, HALVED = 4, 1
+"""How often a box is cut in four or in two before something else is tried (a steeper slope, or balls): for a closer
 bound, and where it is open which tip is slipped over which way."""
-CLOSE, ROUGH = 2e-5, 0.3
-"""How closely the least lead of a barrier over all motions is bounded: a slope, like the next two, and a
-share of a lead that is negative."""
+CLOSE = 2e-5
+"""How closely the least lead of a barrier over all motions is bounded: a slope, like the next two."""
 LEAST = 1e-5
 """Lead that is asked for, so that pieces after a steeper one need not be tried again and again."""
 STEEP = 5e-3
@@ -80,8 +81,8 @@ STRETCH, LONGER = 2, 2.0
 be at first."""
 STEP = 2e-3
 """Of the width; a piece that would have to rise by more is cut later, too: the path comes near a slide."""
-STARTS = 5
-"""How often the box of all places at which a turn can begin is cut in two."""
+STARTS = 3
+"""How often the box of all places at which a turn can begin is cut in four."""
 BOTH = (-1, 1)
 ROOM = 1e-12
 """m; between what must be held and what holds it."""
@@ -219,11 +220,11 @@ class _Curves:
         done = at["done"]
         value, slope, bent = self._polynomials(done, which)
         length = Rows.constant(self.first[which]) - Rows.constant(self.last[which])
-        ahead = self._linear(at, places, done, value, slope)
-        rate = self._linear(at, places, done, slope, bent) / length
+        ahead = self._linear(at, places, done, value, slope.over(done))
+        rate = self._linear(at, places, done, slope, bent.over(done)) / length
         if "stray" in self.names:
             own, ramp = (one.row(1 + self.names.index("stray")) for one in (value, slope))
-            rate = rate + joined(own, {places["done"]: ramp}, done) * at["bend"]
+            rate = rate + joined(own, {places["done"]: ramp.over(done)}, done) * at["bend"]
         h = Rows.constant(self.first[which]) - done * length
         return grip_of(at, h, self.tip, ahead), rate
 
@@ -234,8 +235,8 @@ class _Curves:
         first, last = (Rows.constant(ends[which]) for ends in (self.first, self.last))
         done = (first - h) / (first - last)
         value, slope, _ = self._polynomials(done, which)
-        per = Ends(done.ends[:, 1 + places["done"], None])
-        return self._linear(at, places, done, value, slope * per)
+        per = Ends(done.slopes()[:, places["done"], None])
+        return self._linear(at, places, done, value, slope.over(done) * per)
 
     def _polynomials(self, done: Rows, which: Where) -> tuple[Ends, Ends, Ends]:
         """The cubics of some of the curves, with their first and second derivatives."""
@@ -280,8 +281,8 @@ class _Curves:
             return joined(value.row(0), {places["done"]: slope.row(0)}, done)
         off = Ends.of([at[name] for name in self.names]) + Ends.exactly(-self.middle)
         found = value.row(0) + (value.rows() * off).total()
-        ramp = slope.row(0) + (slope.rows() * off).total()
-        slopes = {places[name]: value.row(1 + k) for k, name in enumerate(self.names)}
+        ramp = slope.row(0) + (slope.rows() * off.over(done)).total()
+        slopes = {places[name]: value.row(1 + k).over(done) for k, name in enumerate(self.names)}
         return joined(found, {**slopes, places["done"]: ramp}, done)
 
 
@@ -318,7 +319,7 @@ class Piece:
 
 
 class Between:
-    """Grips between the barriers of several pieces, all ahead of one tip, as arrays."""
+    """Grips between the barriers of several pieces, whose lower ones are all ahead of one tip and upper ones too, as arrays."""
 
     def __init__(self, pieces: Sequence[Piece]) -> None:
         self.lower, self.upper = (
@@ -332,8 +333,12 @@ class Between:
         """Any grip in some of the pieces, by the shares ``done`` of the travel and ``share`` of the width."""
         first, last = (Rows.constant(ends[which]) for ends in (self.first, self.last))
         h = first - at["done"] * (first - last)
-        low, high = (one.ahead(at, places, which, h) for one in (self.lower, self.upper))
-        return grip_of(at, h, self.lower.tip, low + at["share"] * (high - low))
+        tip = self.lower.tip if self.lower.tip == self.upper.tip else S
+        ends = [one.ahead(at, places, which, h) for one in (self.lower, self.upper)]
+        for k, curves in enumerate((self.lower, self.upper)):
+            if curves.tip != tip:
+                ends[k] = (ends[k] + grip_of(at, h, D, ends[k]).T).tight()
+        return grip_of(at, h, tip, ends[0] + at["share"] * (ends[1] - ends[0]))
 
 
 def sides_of(at: Mapping[str, Real]) -> Sides:
@@ -374,6 +379,8 @@ class Start:
     """What h can be then."""
     labels: Mapping[str, str] = dataclasses.field(default_factory=dict)
     """Constants on which only the start depends, and the variables that they grow with."""
+    like: Hashable = dataclasses.field(default_factory=object)
+    """The same of starts that differ in box and h alone."""
 
 
 def enclose(box: Box, starts: Sequence[Start], h: Side, h_end: Side) -> tuple[Piece, ...]:
@@ -578,9 +585,10 @@ class _Barrier:
         if not labels:
             return {}
         leg = self._path(knots[:2], {})[0]
-        lead = self._ahead(start, self._curve(leg))({**exact, **one.points()})
+        lead = self._ahead(start, self._curve(leg))({**exact, **one.amid().points()})
+        slopes = lead.slopes()
         return {
-            name: -self.side * float(lead.low[1 + one.names.index(own), 1])
+            name: self.side * float(slopes[0, one.names.index(own), 0])
             for name, own in labels.items()
         }
 
@@ -598,7 +606,7 @@ class _Barrier:
             more += max(back, 0.0) if self._begins(leg.first) else back
             curve = self._curve(leg).raised(self.side * moved, self.side * more * leg.length)
             if before and before.tip != curve.tip:
-                raised = self._raised(partial(self._beyond, before, curve), self.box)
+                raised = self._raised(before, curve)
                 off += raised
                 curve = curve.raised(self.side * raised, 0.0)
             elif before:
@@ -620,19 +628,20 @@ class _Barrier:
         curve = self._curve(leg)
         if curve.key not in self.begun:
             least = np.inf
-            for start in reversed(starts):  # the last begins farthest behind, as a rule
-                ahead = self._ahead(start, curve)
-                least = min(least, self._start(start, ahead, enough=min(least, 0.0)))
+            for like in dict.fromkeys(one.like for one in starts):
+                alike = [one for one in starts if one.like == like]
+                least = min(least, self._start(alike, curve, enough=min(least, 0.0)))
             self.begun[curve.key] = self._moved(arb(least))
         return self.begun[curve.key]
 
-    def _start(
-        self, start: Start, ahead: Callable[[Mapping[str, Any]], Any], enough: float
-    ) -> float:
+    def _start(self, alike: Sequence[Start], curve: Curve, enough: float) -> float:
         """A lower bound of how far a curve is beyond the places at which a turn can begin."""
-        boxes, exact = boxes_of(start.box, 1)
-        near = NEAR * self.flow.width
-        found = lowest(lambda at, _: ahead({**exact, **at}), boxes, near, STARTS, enough)
+        boxes, exact = boxes_of_all([one.box for one in alike])
+        ahead, near = self._ahead(alike[0], curve), NEAR * self.flow.width
+        together = np.zeros(boxes.count, dtype=np.int64)
+        found = lowest(
+            lambda at, _: ahead({**exact, **at}), boxes, near, STARTS, enough, groups=together
+        )
         return float(found[0])
 
     def _curve(self, leg: _Leg) -> Curve:
@@ -645,17 +654,17 @@ class _Barrier:
         ahead = cubic(lambda one: one.ahead)
         return Curve(leg.first, leg.last, leg.at.tip, ahead, slopes, self.flow.middle)
 
-    def _beyond(self, before: Curve, curve: Curve, point: Point) -> Dual:
+    def _beyond(self, before: Curve, curve: Curve, at: Mapping[str, Real]) -> Real:
         """How far a curve begins beyond the end of one that tells the part to be ahead of the other tip."""
-        told = before.at(Dual(arb(1)), point)
-        grip = grip_of(point, Dual(arb(before.last)), before.tip, told)
+        told, h = before.at(arb(1), at), Rows.constant(before.last)
+        grip = grip_of(at, h, before.tip, told)
         own = told - grip.T if before.tip == S else told + grip.T
-        found: Dual = (curve.at(Dual(ZERO), point) - own) * self.side
-        return found
+        return (curve.at(ZERO, at) - own) * self.side
 
-    def _raised(self, beyond: Formula, box: Box) -> float:
-        """By how much a value must be moved for ``beyond`` to be positive."""
-        return self._moved(least(beyond, box, within=NEAR * self.flow.width))
+    def _raised(self, before: Curve, curve: Curve) -> float:
+        """By how much a curve must be moved to begin beyond the end of such a one."""
+        near = NEAR * self.flow.width
+        return self._moved(ends_of(partial(self._beyond, before, curve), self.box, near, CUTS)[0])
 
     def _moved(self, missing: arb) -> float:
         raised = max(-float(missing), 0.0) + ROOM
@@ -758,33 +767,32 @@ class _Leads:
 
         And by how much it is short of being below, and along what to cut.
         """
-        grip, rate, _ = self._on(boxes.points(), np.tile(which, 2))
-        count = boxes.count
-        below, above = np.zeros((2, count), dtype=bool), np.zeros((2, count), dtype=bool)
-        short, weight = np.zeros(count), np.zeros(boxes.low.shape)
-        for tip in (D, S):
-            spare = ((rate - grip.stick(tip)) * self.side).tight()
-            low = -spare.ends[0, 0, :count]
-            below[tip], above[tip] = (end < 0 for end in spare.ends[:, 0, :count])
-            steep = spare.steepest(count)
-            open_, amid = ~(below[tip] | above[tip]), spare.ends[0, 0, count:] < 0
-            for some, sign in ((open_ & amid, 1), (open_ & ~amid, -1)):
-                if not some.any():
-                    continue
-                of = partial(self._stick, tip, sign, which[some])
-                spares = lowest(of, boxes.of(some), CLOSE, 0)
-                if sign > 0:
-                    low[some] = spares
-                    below[tip] = low > 0
-                else:
-                    above[tip, some] = spares > 0
-            own = np.where(np.isfinite(steep), steep, 1e30) * (boxes.high - boxes.low)
-            weight = np.where(open_, np.maximum(weight, own), weight)
-            short = np.where(below[tip] | above[tip], short, np.maximum(short, -low))
-        return below, above & ~below, short, weight
+        count, tips = boxes.count, (D, S)
+        spares = [one.tight() for one in self._spares(boxes.points(), np.tile(which, 2))]
+        low = np.array([-one.ends[0, :count] for one in spares])
+        below = low > 0
+        above = np.array([one.ends[1, :count] < 0 for one in spares])
+        open_ = ~(below | above)
+        steep = np.array([one.slopes().max(axis=0) for one in spares])
+        steep = np.where(np.isfinite(steep), steep, 1e30) * (boxes.high - boxes.low)
+        weight = np.where(open_[:, None], steep, 0.0).max(axis=0)
+        tip, of = np.nonzero(open_)
+        if len(of):  # looked at again where the spare is least, or greatest
+            sign = np.where(np.array([spares[k].ends[0, count:] < 0 for k in tips])[open_], 1, -1)
+            stick = partial(self._stick, tip, sign, which[of])
+            closer = lowest(stick, boxes.of(of), CLOSE, 0)
+            low[tip, of] = np.where(sign > 0, closer, low[tip, of])
+            below[tip, of], above[tip, of] = (sign > 0) & (closer > 0), (sign < 0) & (closer > 0)
+        short = np.where(below | above, 0.0, -low).max(axis=0)
+        return below, above & ~below, np.maximum(short, 0.0), weight
+
+    def _spares(self, at: Mapping[str, Rows], which: Where) -> list[Rows]:
+        """By how much the curve is faster than where each tip sticks."""
+        grip, rate, _ = self._on(at, which)
+        return [(rate - grip.stick(tip)) * self.side for tip in (D, S)]
 
     def _leads(self, boxes: Boxes, which: Where, below: Flags, above: Flags) -> Floats:
-        """The least lead in each box."""
+        """The least lead in each box, or a negative one that is attained there."""
         cases = np.array(
             [
                 (k, *case)
@@ -792,14 +800,14 @@ class _Leads:
                 for case in _cases(below[:, k], above[:, k], self.side)
             ]
         ).T
-        found = np.full(boxes.count, np.inf)
         of = partial(self._lead, which[cases[0]], cases[1:])
-        np.minimum.at(found, cases[0], lowest(of, boxes.of(cases[0]), CLOSE, CUTS, LEAST, ROUGH))
-        return found
+        return lowest(of, boxes.of(cases[0]), CLOSE, CUTS, LEAST, 0.0, cases[0])
 
-    def _stick(self, tip: int, sign: int, of: Where, at: Mapping[str, Rows], which: Where) -> Rows:
-        grip, rate, _ = self._on(at, of[which])
-        return (rate - grip.stick(tip)) * (sign * self.side)
+    def _stick(
+        self, tips: Where, signs: Where, of: Where, at: Mapping[str, Rows], which: Where
+    ) -> Rows:
+        one, other = self._spares(at, of[which])
+        return choose(tips[which] == D, one, other) * Rows.constant(signs[which])
 
     def _lead(self, of: Where, cases: Where, at: Mapping[str, Rows], which: Where) -> Rows:
         """Positive where a motion is slower than the curve, or than it would be if a tip stuck."""

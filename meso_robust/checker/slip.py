@@ -29,6 +29,7 @@ from __future__ import annotations
 import dataclasses
 import itertools
 from collections.abc import Callable
+from typing import Any
 
 from flint import arb
 
@@ -42,13 +43,13 @@ from meso_robust.checker.ranges import (
     Box,
     Formula,
     Side,
-    least,
     positive,
     side_of,
     span,
     whole,
 )
 from meso_robust.checker.requirement import Part, Requirement, Variables
+from meso_robust.checker.rows import most_of
 from meso_robust.checker.scene import NAMES, Scene
 
 SLIPPED, MOST, TURNED = "creep_now", "creep_most", "turned"
@@ -58,8 +59,8 @@ SMALLEST, LARGEST, GROWTH, HALVINGS = arb("0.25"), 40, arb("1.2"), 3
 search, no proof rests on it."""
 STAGE, PIECE = 0.01, 0.01
 """rad of the turn and of the orientation before it, in which travel is bounded."""
-NEAR = 1e-4
-"""m/rad: how closely the travel of a turn is."""
+NEAR, CUTS = 1e-4, 4
+"""m/rad: how closely the travel of a turn is; how often a box is cut in four for that."""
 Offset = Callable[[Point, Dual, Dual | None], Dual]
 """Place of the contact along the edge at an angle of the edge, with its slip so far (or none)."""
 
@@ -186,7 +187,7 @@ def spare(
     """A lower bound of the travel that is left when both tips touch, over a box seen as a point."""
     box: Box = {name: _side(value) for name, value in at.items()}
 
-    def rate(at: Point) -> Dual:
+    def rate(at: Any) -> Any:
         """Travel per turn of a contact that sticks where this one is."""
         angle = scene.angle(at) + at[TURNED] * side
         s, c = angle.sin_cos()
@@ -196,15 +197,18 @@ def spare(
     def turn(at: Point) -> Dual:
         return (aligned(at) - scene.angle(at)) * side
 
-    def needed(part: Box) -> arb:
-        found = ZERO
-        for stage in _parts((ZERO, span(turn, part)[1].max(ZERO)), STAGE):
-            most = -least(lambda at: -rate(at), {**part, TURNED: stage}, within=NEAR)
-            found += most * (stage[1] - stage[0])
-        return found
-
-    parts = [{**box, "theta": theta} for theta in _parts(box["theta"], PIECE)]
-    left = [span(travel, part)[0] - needed(part) for part in parts]
+    parts: list[Box] = [{**box, "theta": theta} for theta in _parts(box["theta"], PIECE)]
+    stages = [_parts((ZERO, span(turn, part)[1].max(ZERO)), STAGE) for part in parts]
+    pieces = [
+        {**part, TURNED: stage}
+        for part, own in zip(parts, stages, strict=True)
+        for stage in own
+    ]
+    rates = iter(most_of(rate, pieces, NEAR, CUTS))
+    left = [
+        span(travel, part)[0] - sum((next(rates) * (end - start) for start, end in own), ZERO)
+        for part, own in zip(parts, stages, strict=True)
+    ]
     low = left[0]
     for one in left[1:]:
         low = low.min(one)
