@@ -470,7 +470,11 @@ def _creep(trial: Approach) -> Side:
     """
     box, mu = trial.box(), trial.scene.box[trial.scene.mu(ACTIVE)]
     near = NEAR_CREEP * 2.0 * float(trial.scene.d1)
-    rests = ends_of(lambda at: -trial.trend.rate(at), box, near, CUTS)
+
+    def off_rest(at: Any) -> Any:
+        return -trial.trend.rate(at)
+
+    rests = ends_of(off_rest, box, near, CUTS)
     one_way = [sign for sign, most in ((-1, trial.ratio[1]), (1, -trial.ratio[0])) if most < mu[0]]
     if len(one_way) == 2:
         return rests

@@ -258,9 +258,7 @@ def _backward(of: Rows, reach: Floats) -> Slopes:
         weight = weights.pop(id(one))
         if one.own is not None:
             places = one.own.places
-            found[:, places] = _outward(
-                found[:, places] + _product(weight[:, None], one.own.ends)
-            )
+            found[:, places] = _outward(found[:, places] + _product(weight[:, None], one.own.ends))
             touched[places] = True
         for source, slope in one.links:
             more, known = _passed(weight, slope), weights.get(id(source))
@@ -417,7 +415,9 @@ def boxes_of(box: Box, count: int) -> tuple[Boxes, dict[str, Rows]]:
 def boxes_of_all(every: Sequence[Box]) -> tuple[Boxes, dict[str, Rows]]:
     """Boxes of the same variables, and what is one number in all of them."""
     first = every[0]
-    wide = [name for name, s in first.items() if any(varies(b[name]) or b[name] != s for b in every)]
+    wide = [
+        name for name, s in first.items() if any(varies(b[name]) or b[name] != s for b in every)
+    ]
     exact = {name: Rows.constant(whole(s)) for name, s in first.items() if name not in wide}
     low = np.array([[_below(box[name][0]) for box in every] for name in wide])
     high = np.array([[_above(box[name][1]) for box in every] for name in wide])
@@ -519,9 +519,7 @@ def most_of(of: Plain, every: Sequence[Box], close: float, cuts: int) -> list[ar
     return [-one for one in _signed(of, every, np.full(len(every), -1.0), close, cuts)]
 
 
-def _signed(
-    of: Plain, every: Sequence[Box], signs: Floats, close: float, cuts: int
-) -> list[arb]:
+def _signed(of: Plain, every: Sequence[Box], signs: Floats, close: float, cuts: int) -> list[arb]:
     """Proved lower bounds of a formula times a sign, one a box."""
     boxes, exact = boxes_of_all(every)
 

@@ -200,9 +200,7 @@ def spare(
     parts: list[Box] = [{**box, "theta": theta} for theta in _parts(box["theta"], PIECE)]
     stages = [_parts((ZERO, span(turn, part)[1].max(ZERO)), STAGE) for part in parts]
     pieces = [
-        {**part, TURNED: stage}
-        for part, own in zip(parts, stages, strict=True)
-        for stage in own
+        {**part, TURNED: stage} for part, own in zip(parts, stages, strict=True) for stage in own
     ]
     rates = iter(most_of(rate, pieces, NEAR, CUTS))
     left = [

@@ -10,7 +10,17 @@ import pytest
 from flint import arb
 
 from meso_robust.checker.dual import Dual
-from meso_robust.checker.rows import EPS, TINY, Boxes, lowest
+from meso_robust.checker.ranges import Box, side_of
+from meso_robust.checker.rows import (
+    EPS,
+    TINY,
+    Boxes,
+    choose,
+    ends_of,
+    lowest,
+    most_of,
+    quarters,
+)
 
 NAMES = ("x", "y", "z")
 
@@ -76,33 +86,95 @@ def test_boxes_are_looked_at_in_parts_and_say_the_same(monkeypatch: pytest.Monke
     np.testing.assert_array_equal(lowest(valley, some, 1e-9, 4), whole)
 
 
+HILL = Boxes(("x",), np.array([[0.0]]), np.array([[1.0]]))
+
+
+def hill(at: Any) -> Any:
+    """At least 0 over :data:`HILL`; what one look at it proves is more than -1."""
+    return at["x"] * (1 - at["x"])
+
+
 def test_a_bound_is_brought_no_closer_than_is_asked_for() -> None:
-    """Of ``x (1 - x)`` over 0 to 1 and moved: it is at least 0 there, one box only proves more than -1."""
-    box = Boxes(("x",), np.array([[0.0]]), np.array([[1.0]]))
     asked: list[int] = []
 
-    def hill(moved: float) -> Any:
+    def cost(moved: float, **asks: Any) -> int:
         def of(at: Any, which: Any) -> Any:
             asked.append(len(which))
-            return at["x"] * (1 - at["x"]) + moved
+            return hill(at) + moved
 
-        return of
-
-    def cost(moved: float, **asks: float) -> int:
         asked.clear()
-        assert lowest(hill(moved), box, 1e-9, 6, **asks)[0] <= moved
+        assert lowest(of, HILL, 1e-9, 6, **asks)[0] <= moved + 0.26
         return sum(asked)
 
     whole = cost(0.0)
     assert cost(2.0, enough=0.5) < whole == cost(2.0)
-    assert cost(-8.0, rough=0.3) < whole == cost(-8.0)
-    assert cost(0.0, enough=0.0, rough=0.3) == whole
+    assert cost(-8.0, hopeless=-7.0) < whole == cost(-8.0)
+    assert cost(8.0, hopeless=-7.0) == whole
+
+
+def test_of_what_is_given_up_a_value_is_told_that_is_attained() -> None:
+    (found,) = lowest(lambda at, _: hill(at) - 8, HILL, 1e-9, 6, hopeless=-7.0)
+    assert -8.0 <= found <= -7.7
+
+
+def test_of_a_group_the_least_value_is_bounded() -> None:
+    some, groups = HILL.of(np.zeros(3, dtype=np.int64)), np.array([1, 0, 1])
+    moved = np.array([5.0, 1.0, 3.0])
+    found = lowest(lambda at, which: hill(at) + moved[which], some, 1e-9, 6, groups=groups)
+    assert np.all(found <= [1.0, 3.0])
+    assert np.all(found > [0.9, 2.9])
+
+
+def test_boxes_are_cut_in_four_along_what_matters_most() -> None:
+    low, high = np.zeros((3, 1)), np.array([[8.0], [8.0], [8.0]])
+    for weight, wide in (((5, 4, 0), (4, 4, 8)), ((9, 4, 0), (2, 8, 8))):
+        found = quarters(Boxes(NAMES, low, high), np.array([weight], dtype=float).T)
+        assert np.all(found.high - found.low == np.array([wide]).T)
+        assert np.prod(found.high - found.low, axis=0).sum() == 8.0**3
+        assert len({tuple(corner) for corner in found.low.T}) == 4
+
+
+def test_ranges_of_a_formula_are_bounded_from_both_sides() -> None:
+    box: Box = {"x": (arb(0), arb(1)), "moved": side_of(arb(3))}
+
+    def of(at: Any) -> Any:
+        return hill(at) + at["moved"]
+
+    low, high = ends_of(of, box, 1e-3, 6)
+    assert 2.998 < low <= 3
+    assert 3.25 <= high < 3.252
+    half, tenth = most_of(of, [{**box, "x": (arb(0), arb(x))} for x in (0.5, 0.125)], 1e-3, 6)
+    assert 3.25 <= half < 3.252
+    assert 3.109375 <= tenth < 3.1105
+
+
+def test_quantities_that_are_used_twice_have_the_sum_of_their_slopes() -> None:
+    """Of boxes without width: that of each column, whichever quantity was chosen there."""
+    some = boxes(6, 0.0)
+    at = some.points()
+    x, y, _ = some.low
+    first = np.arange(12) % 2 == 0
+    both = at["x"] * at["y"]
+    one, other = both * both, both + at["z"]
+    chosen = choose(first, one, other)
+    moved = (both.plain() * at["y"]).moving((at["z"] * 3).change() + at["x"].settled() * at["x"])
+    expected = np.where(first[:6], 2 * x * y * np.array([y, x, 0 * x]), np.array([y, x, 1 + 0 * x]))
+    for slopes, exact in ((chosen, expected), (moved, np.array([2 * x, 0 * x, 3 + 0 * x]))):
+        low, high = slopes.slopes() * np.array([-1.0, 1.0])[:, None, None]
+        assert np.all(low <= exact + 1e-15)
+        assert np.all(exact - 1e-15 <= high)
+        assert np.all(high - low < 1e-12)
+    assert np.all(abs(moved.low[:6] - x * y * y) < 1e-12)
 
 
 def test_where_nothing_is_known_nothing_is_proved() -> None:
     box = Boxes(("x",), np.array([[-1.0]]), np.array([[1.0]]))
     with np.errstate(all="ignore"):
-        for of in (lambda at, _: 1 / at["x"], lambda at, _: at["x"].sqrt()):
+        for of in (
+            lambda at, _: 1 / at["x"],
+            lambda at, _: at["x"].sqrt(),
+            lambda at, _: at["x"].sqrt().squared() + 1,
+        ):
             assert not lowest(of, box, 1e-9, 2)[0] > -np.inf
 
 
