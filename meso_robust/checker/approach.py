@@ -474,7 +474,7 @@ def _creep(trial: Approach) -> Side:
     def off_rest(at: Any) -> Any:
         return -trial.trend.rate(at)
 
-    rests = ends_of(off_rest, box, near, CUTS)
+    rests = START if trial.trend is NO_TREND else ends_of(off_rest, box, near, CUTS)
     one_way = [sign for sign, most in ((-1, trial.ratio[1]), (1, -trial.ratio[0])) if most < mu[0]]
     if len(one_way) == 2:
         return rests

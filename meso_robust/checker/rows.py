@@ -7,7 +7,10 @@ nothing is known (a divisor that may be zero, a negative radicand) ends are infi
 and a comparison with such an end is false: nothing is proved.
 
 The first half of the columns are boxes, the second half their middles, so that every value is known
-in two ways: as an interval, and by the mean value theorem from that at the middle and the slopes.
+in two ways: as an interval, and by the mean value theorem from that at the middle and the slopes. A quantity
+knows what it was worked out from; its slopes are asked for where they are needed, and then found from
+the end back to the variables. Where several terms that cancel hang on one variable it is closer to settle
+their sum first: what follows starts from its slopes.
 """
 
 from __future__ import annotations

@@ -319,7 +319,7 @@ class Piece:
 
 
 class Between:
-    """Grips between the barriers of several pieces, whose lower ones are all ahead of one tip and upper ones too, as arrays."""
+    """Grips between the barriers of several pieces as arrays: all lower ones ahead of one tip, all upper ones too."""
 
     def __init__(self, pieces: Sequence[Piece]) -> None:
         self.lower, self.upper = (

@@ -202,3 +202,9 @@ def test_what_ends_are_moved_by_is_a_normal_number() -> None:
     """Also times lengths in m: a processor takes a hundred times as long for others."""
     metre = 1e-12
     assert TINY * EPS * metre**2 > np.finfo(float).tiny
+
+
+def test_a_square_is_never_negative() -> None:
+    assert np.all(
+        Boxes(("x",), np.array([[-1.0]]), np.array([[1.0]])).points()["x"].squared().low >= 0
+    )
