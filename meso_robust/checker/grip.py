@@ -152,12 +152,13 @@ class Grip:
         if not sides.parallel:
             W_S, sine = W_S + t * b, t / sides.stretched
         level = sides.radius_far / sides.stretched
-        r = settled(b + sides.radius_far * sine - sides.drag_a)
+        r, e_resting = b + sides.radius_far * sine - sides.drag_a, W_S - level + sides.drag_n
         apart = T if sides.parallel else T - sides.radius_far * sine
         f, g = (c, s) if bend is EVEN else (c + s * bend, s - c * bend)
         if sides.parallel:  # the same as below, without what cancels in it
             share = -(ahead + sides.drag_a) / T - (0 if tip == S else 1)
         else:
+            r, e_resting = settled(r), settled(e_resting)
             share = r / apart
         return cls(
             c=c,
@@ -170,7 +171,7 @@ class Grip:
             apart=apart,
             share=share,
             e_moving=sides.depth - sides.drag_n,
-            e_resting=settled(W_S - level + sides.drag_n),
+            e_resting=e_resting,
             level_moving=sides.radius,
             level_resting=level,
             tilt=t,

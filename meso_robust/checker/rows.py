@@ -55,7 +55,7 @@ class Boxes:
         reach = _up(np.maximum(self.high - middle, middle - self.low))
         ends = np.array([np.hstack([-self.low, -middle]), np.hstack([self.high, middle])])
         return {
-            name: Rows(ends[:, k], reach, own=Slopes(np.array([k]), ONE[:, None]))
+            name: Rows(ends[:, k], reach, own=Slopes(np.array([k]), ALONG))
             for k, name in enumerate(self.names)
         }
 
@@ -129,6 +129,8 @@ class Rows:
         return _rows(other) - self
 
     def __mul__(self, other: Any) -> Rows:
+        if isinstance(other, int) and abs(other) == 1:
+            return self if other > 0 else -self
         two = _rows(other)
         ends = _product(self.ends, two.ends)
         return _made(ends, (self, self._beside(two)), (two, two._beside(self)))
@@ -150,7 +152,10 @@ class Rows:
     def _inverse(self) -> Rows:
         safe = (self.ends < 0).any(axis=0)
         ends = _outward(np.where(safe, -1 / self.ends[::-1], np.inf))
-        return _made(ends, (self, _square(self._beside(Rows(ends)))[::-1]))
+        over = self._beside(Rows(ends))
+        # where there may be a pole the slope has no sign either
+        slope = np.where(np.isfinite(over), _square(over)[::-1], np.inf)
+        return _made(ends, (self, slope))
 
     def plain(self) -> Rows:
         """The value without its slopes."""
@@ -246,6 +251,9 @@ Slope: TypeAlias = "int | npt.NDArray[Any]"
 """1, -1, whether it is 1 or 0 in each box, or ends."""
 Link: TypeAlias = tuple[Rows, Slope]
 ONE = np.array([[-1.0], [1.0]])
+"""Ends of the number 1."""
+ALONG = ONE[:, None]
+"""The slope of a variable along itself."""
 
 
 def _backward(of: Rows, reach: Floats) -> Slopes:
@@ -260,9 +268,10 @@ def _backward(of: Rows, reach: Floats) -> Slopes:
     for one in _from_last_to_first(of):
         weight = weights.pop(id(one))
         if one.own is not None:
-            places = one.own.places
-            found[:, places] = _outward(found[:, places] + _product(weight[:, None], one.own.ends))
-            touched[places] = True
+            places, more = one.own.places, _along(weight, one.own.ends)
+            if touched[places].any():
+                more = _outward(found[:, places] + more)
+            found[:, places], touched[places] = more, True
         for source, slope in one.links:
             more, known = _passed(weight, slope), weights.get(id(source))
             weights[id(source)] = more if known is None else _outward(known + more)
@@ -286,11 +295,20 @@ def _from_last_to_first(of: Rows) -> list[Rows]:
     return order[::-1]
 
 
+def _along(weight: Floats, slopes: Floats) -> Floats:
+    """A slope along a quantity times the slopes of that along variables."""
+    if slopes is ALONG:
+        return weight[:, None]
+    return slopes if weight is ONE else _product(weight[:, None], slopes)
+
+
 def _passed(weight: Floats, slope: Slope) -> Floats:
     """A slope along a quantity passed on to one of its sources."""
     if isinstance(slope, int):
         return weight if slope > 0 else weight[::-1]
-    return np.where(slope, weight, 0.0) if slope.dtype == bool else _product(weight, slope)
+    if slope.dtype == bool:
+        return np.where(slope, weight, 0.0)
+    return slope if weight is ONE else _product(weight, slope)
 
 
 FAR, TERMS = 0.5, 6
