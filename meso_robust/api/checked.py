@@ -35,7 +35,7 @@ class Checked(Result):
 
     @property
     def verdict(self) -> Word:
-        """VERIFIED, REJECTED, NOTHING CLAIMED, or of a witness CONFIRMED or UNDECIDED."""
+        """VERIFIED, REJECTED, NOTHING CLAIMED, MARGIN UNDECIDED, or of a witness CONFIRMED or UNDECIDED."""
         return self.answer.verdict
 
     @property

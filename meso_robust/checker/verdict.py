@@ -30,7 +30,14 @@ NEAR = 1e-14
 """m and rad: by how much a box that the task gives may be told too large or too small. A few last
 digits of doubles up to a metre; that it holds what it must is checked without any room."""
 Elsewhere = Callable[[], bool]
-Word = Literal["VERIFIED", "REJECTED", "WITNESS CONFIRMED", "WITNESS UNDECIDED", "NOTHING CLAIMED"]
+Word = Literal[
+    "VERIFIED",
+    "MARGIN UNDECIDED",
+    "REJECTED",
+    "WITNESS CONFIRMED",
+    "WITNESS UNDECIDED",
+    "NOTHING CLAIMED",
+]
 SECTIONS = {
     "schema_",
     "name",
@@ -64,7 +71,8 @@ class Answer:
     """What came out."""
 
     verdict: Word
-    """VERIFIED: a proof; WITNESS CONFIRMED: a plan that is proved to fail; WITNESS UNDECIDED: one that
+    """VERIFIED: a proof; MARGIN UNDECIDED: a proof of all but how much more uncertainty the plan bears;
+    WITNESS CONFIRMED: a plan that is proved to fail; WITNESS UNDECIDED: one that
     is said to fail; NOTHING CLAIMED: neither; REJECTED: something that is stated is not so."""
     claims: str
     """What the certificate is now known, or said, to claim, in the checker's own words."""
@@ -141,12 +149,23 @@ def _check(
     margins.check_form(certificate.margin, uncertainties(known), actions)
     boxes = _boxes(certificate, known)
     _check_steps(certificate, known, boxes, prover)
+    open_: Refused | None = None
     if not elsewhere():
-        margins.check_factor(certificate, task, alone=thorough, prover=prover)
+        try:
+            margins.check_factor(certificate, task, alone=thorough, prover=prover)
+        except Refused as refused:
+            open_ = refused
     not_checked = EVIDENCE if thorough else (*EVIDENCE, ALONE)
     claims = words.claim(task, len(certificate.policy), guided=_guided(certificate))
     granted = {one.value: words.PREMISES[one] for one in premises(task)}
-    return Answer(verdict="VERIFIED", claims=claims, not_checked=not_checked, premises=granted)
+    if open_ is None:
+        return Answer(verdict="VERIFIED", claims=claims, not_checked=not_checked, premises=granted)
+    return Answer(
+        verdict="MARGIN UNDECIDED",
+        claims=f"{claims} Of more uncertainty that is not shown: {open_.claim} = {open_.stated}, but {open_.found}.",
+        not_checked=not_checked,
+        premises=granted,
+    )
 
 
 def _refuted(certificate: Certificate, known: Given) -> Answer:

@@ -111,7 +111,7 @@ def verified_words(checker: Verified, stated: VerdictWord) -> str:
     if checker.positive:
         return f"checked: {checker.verdict}, by formulas and arithmetic of the checker's own"
     if refused is None:
-        return f"checked: {checker.verdict}: {checker.claims}"
+        return f"checked: {checker.verdict}: {checker.claims.removesuffix('.')}"
     what = (
         "the proof is not confirmed, so do not rely on this plan; state narrower uncertainties or another start"
         if stated == "PROVED"

@@ -41,6 +41,11 @@ _CHECKED = {
         "PROVED",
         "The certificate proves what it claims; what no check can confirm is listed below.",
     ),
+    "MARGIN UNDECIDED": (
+        "UNKNOWN",
+        "The plan is proved for the uncertainties that the task states; that it bears as many times more as the "
+        "certificate says was not shown.",
+    ),
     "REJECTED": ("REFUTED", "Something that the certificate states was not confirmed."),
     "WITNESS CONFIRMED": (
         "REFUTED",

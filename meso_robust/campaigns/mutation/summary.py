@@ -11,7 +11,7 @@ from meso_robust.campaigns.mutation.answer import ACCEPTED, MALFORMED, REJECTED
 UNTRUE = "accepted, though it claims something untrue"
 LISTED = 40
 """Objections that are listed."""
-WORDS = (MALFORMED, REJECTED, "NOTHING CLAIMED", "WITNESS UNDECIDED", *ACCEPTED)
+WORDS = (MALFORMED, REJECTED, "NOTHING CLAIMED", "MARGIN UNDECIDED", "WITNESS UNDECIDED", *ACCEPTED)
 
 
 def tell(part: Part, values: Values) -> Told:
