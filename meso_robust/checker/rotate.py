@@ -133,6 +133,19 @@ class Landing:
         return {**self.pair.constants(at), **more}
 
 
+def _far_force_faces(pair: Pair) -> None:
+    """Refuse edges so far out of parallel that a force in the far one's cone of friction may not face the pushed one.
+
+    In the axes of that its ratio would be none.
+    """
+    box = pair.box
+    tilt = whole(box["kappa_far"]) - whole(box["kappa"])
+    friction = whole(box["mu" if "mu" in box else "mu_passive"])
+    if not abs(friction * tilt.tan()) < 1:
+        most = (1 / friction).atan()
+        raise Refused(named(Objection.EDGES_OPPOSITE), str(abs(tilt)), f"less than {most}")
+
+
 def landing(scene: Scene, *more: Requirement) -> Landing:
     """Prove how a counter-clockwise rotation comes to both tips.
 
@@ -153,6 +166,7 @@ def landing(scene: Scene, *more: Requirement) -> Landing:
     if scene.rule.side != 1:
         raise Refused(named(Objection.SIDE_OF_MOVE, action="rotate"), scene.rule.side, 1)
     pair = Pair(scene)
+    _far_force_faces(pair)
     before = (*free_at_start(scene, (ACTIVE, IDLE)), _passive_free(pair), *more)
     prove_all(before)
     stages = approaches(pair)

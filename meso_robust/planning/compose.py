@@ -594,7 +594,7 @@ def _turns_of_polygon(setup: Setup) -> int:
             f"faces the probe there; a rotation turns a part by {LEAST_TURN:g} to {MOST_TURN:g} deg: "
             "give a goal within that, or with the same edge facing the probe"
         )
-    if not opposite(setup.opposite(edge)[1]):
+    if not opposite(setup.opposite(edge)[1], setup):
         raise NotApplicableError(
             f"the goal is {math.degrees(goal - start):.1f} deg from the start, and a rotation, which "
             "turns a part that far, needs an edge about parallel to the pushed one on the other side of the "

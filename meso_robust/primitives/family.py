@@ -159,7 +159,7 @@ def follow(
         If the rule is not a counter-clockwise rotation with a passive tip.
     """
     move, obligations = as_begun(rule, pre, setup)
-    if not (opposite(move.lean) and all_proved(obligations)):
+    if not (opposite(move.lean, setup) and all_proved(obligations)):
         return None
     touch = approach(move.box, move.grip, move.labels, move.first_gap, move.edge, move.of)
     if touch is None or not all_proved(touch.obligations):

@@ -188,7 +188,9 @@ def certify_rotation(rule: MoveRule, pre: PoseBox, setup: Setup, *, rough: bool 
     """
     move, obligations = as_begun(rule, pre, setup)
     hasty, grip, edge = rough, move.grip, move.edge
-    if not (opposite(move.lean) and move.V.lo > 0.0) or (hasty and not all_proved(obligations)):
+    if not (opposite(move.lean, setup) and move.V.lo > 0.0) or (
+        hasty and not all_proved(obligations)
+    ):
         return _step(rule, pre, None, obligations)
     touch = approach(move.box, grip, move.labels, move.first_gap, edge, move.of)
     if touch is None:
@@ -292,7 +294,7 @@ def as_begun(rule: MoveRule, pre: PoseBox, setup: Setup) -> tuple[Move, list[Obl
         raise ValueError(f"rotation rule needs side = 1 and a passive tip, got {rule}")
     edge = setup.edge(pre.theta.mid)
     move = _move(rule, pre, edge, setup)
-    if not opposite(move.lean):
+    if not opposite(move.lean, setup):
         return move, [_undecided(ObligationId.EDGES_OPPOSITE)]
     box = base_box(rule, pre, setup, edge)
     obligations = [*free_at_start((-IDLE, IDLE), box, edge), *_before(move)]
@@ -306,20 +308,28 @@ def all_proved(obligations: Sequence[Obligation]) -> bool:
     return all(one.proof.verdict is Verdict.PROVED for one in obligations)
 
 
-def opposite(lean: Interval) -> bool:
+def opposite(lean: Interval, setup: Setup) -> bool:
     """Whether two edges may be held between two tips as opposite ones.
 
     Parameters
     ----------
     lean
-        By how much they are out of parallel, rad.
+        By how much they are out of parallel as stated, rad.
+    setup
+        The task.
 
     Returns
     -------
     bool
-        Where they are by half a right angle or more, nothing is claimed.
+        Where they are by half a right angle or more, nothing is claimed; nor where a force on the far edge, on the
+        side of its cone of friction, may point away from the pushed one: then the axes of that are none for it.
     """
-    return lean.lo > -MOST_LEAN and lean.hi < MOST_LEAN
+    u = setup.uncertainty
+    tilt = lean + u.squareness - u.squareness
+    if not (tilt.lo > -MOST_LEAN and tilt.hi < MOST_LEAN):
+        return False
+    along = u.friction * sin(tilt) / cos(tilt)
+    return along.lo > -1.0 and along.hi < 1.0
 
 
 def held_poses(step: Step) -> list[PoseBox]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 from functools import cache
 from typing import Any
 
@@ -13,8 +14,10 @@ from flint import arb, ctx
 from meso_robust.checker.document import AimDocument, RuleDocument
 from meso_robust.checker.inputs import Given, PoseBox, given
 from meso_robust.checker.moves import verify_scene
+from meso_robust.checker.pair import Pair
 from meso_robust.checker.passage import Passage
 from meso_robust.checker.refusal import Refused
+from meso_robust.checker.rotate import _far_force_faces
 from meso_robust.checker.scene import Scene, scene_of
 from meso_robust.checker.verdict import BITS
 from meso_robust.task import Task
@@ -88,6 +91,29 @@ def proved() -> tuple[Scene, Passage]:
     known = given(task(SHARE))
     found = scene(known, SHARE)
     return found, verify_scene(found, known, None)
+
+
+@pytest.mark.parametrize(("friction", "refused"), [("1.19", False), ("1.20", True)])
+def test_a_force_in_the_far_cone_of_friction_faces_the_pushed_edge(
+    friction: str, refused: bool
+) -> None:
+    """Edges 40 deg out of parallel: friction up to 1 / tan(40 deg) = 1.1918, with squareness."""
+    known = given(task(SHARE))
+    found = scene(known, SHARE)
+    turned = max(abs(end) for end in found.box["kappa"]) + max(
+        abs(end) for end in found.box["kappa_other"]
+    )
+    askew = 2 * arb.pi() / 9 - turned
+    box = dict(found.box) | {
+        name: (arb(0), arb(friction)) for name in found.box if name[:2] == "mu"
+    }
+    pair = Pair(replace(found, askew=askew, box=box))
+    if not refused:
+        _far_force_faces(pair)
+        return
+    with pytest.raises(Refused) as told:
+        _far_force_faces(pair)
+    assert told.value.name.id == "edges_opposite"
 
 
 def pushed(values: Numbers, rng: np.random.Generator) -> tuple[float, float, float]:

@@ -17,6 +17,7 @@ from meso_robust.primitives.certify import certify_move
 from meso_robust.primitives.move import MoveRule
 from meso_robust.primitives.names import ObligationId
 from meso_robust.primitives.obligation import Step
+from meso_robust.primitives.rotation import opposite
 from meso_robust.primitives.setup import Setup, setup_of
 from meso_robust.task import parse_task
 from meso_robust.tasks import PAPER
@@ -127,6 +128,26 @@ def test_edges_far_from_parallel_are_no_opposite_ones() -> None:
     assert unproved(step) == {ObligationId.EDGES_OPPOSITE}
     with pytest.raises(NotApplicableError, match="about parallel to the pushed one"):
         compose(task)
+
+
+@pytest.mark.parametrize(
+    ("lean_deg", "friction", "squareness_deg", "are"),
+    [
+        (40.0, 1.18, None, True),
+        (40.0, 1.20, None, False),  # 1 / tan(40 deg) = 1.1918
+        (-40.0, 1.20, None, False),
+        (40.0, 1.18, 0.3, False),  # each of both edges by 0.3 deg: 1 / tan(40.6 deg) = 1.1667
+        (0.0, 3.0, None, True),
+        (44.9, 0.36, None, True),
+        (45.1, 0.36, None, False),
+    ],
+)
+def test_a_force_in_the_far_cone_of_friction_faces_the_pushed_edge(
+    lean_deg: float, friction: float, squareness_deg: float | None, are: bool
+) -> None:
+    part = {} if squareness_deg is None else {"squareness_deg": squareness_deg}
+    setup = setup_of(changed("long L", part=part, uncertainty={"friction": [0.3, friction]}))
+    assert opposite(Interval.point(np.radians(lean_deg)), setup) == are
 
 
 def test_an_edge_beside_which_the_part_may_stick_out_cannot_be_pushed() -> None:
