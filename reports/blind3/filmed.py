@@ -242,6 +242,20 @@ FRESH = Trial(
     blocks=((0, 64, "a clock's rate, a part that is skewed and a tip that goes round are known"),),
     forms=("quick",),
 )
+PAIRS = Trial(
+    out=HERE / "pairs",
+    cases=[case for case in fresh.listed(20261206) if case.kind in ("pair", "null")],
+    made=fresh.sealed,
+    follows=("generate.py", "laws.py", "cases.py", "beyond.py", "fresh.py"),
+    blocks=(
+        (
+            0,
+            64,
+            "what gains most beside the best effect is tried beside the next ones, drives creep",
+        ),
+    ),
+    forms=("quick",),
+)
 TRIALS = {
     "films": FILMS,
     "short": SHORT,
@@ -250,6 +264,7 @@ TRIALS = {
     "last": LAST,
     "beyond": BEYOND,
     "fresh": FRESH,
+    "pairs": PAIRS,
 }
 
 
