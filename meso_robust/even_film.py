@@ -45,6 +45,16 @@ class EvenFilm:
 def even_film(corners: Sequence[Corner]) -> EvenFilm:
     """The even film under a simple polygon; exact up to the last rounding.
 
+    Parameters
+    ----------
+    corners
+        Counter-clockwise, um.
+
+    Returns
+    -------
+    EvenFilm
+        In the axes of the corners.
+
     Examples
     --------
     >>> from fractions import Fraction as F
@@ -121,7 +131,18 @@ def _unit(share: float) -> str:
 
 
 def corners_of(task: Task) -> Sequence[Corner]:
-    """Corners of a task's part as stated, counter-clockwise, um."""
+    """Corners of a task's part.
+
+    Parameters
+    ----------
+    task
+        With a rectangle or a polygon.
+
+    Returns
+    -------
+    sequence of corners
+        As stated, counter-clockwise, um.
+    """
     part = task.part
     if isinstance(part, PolygonPart):
         return part.corners_um

@@ -28,7 +28,7 @@ MAY_IMPORT = {
     "conditions": {"bounds", "_generated", *BASE},
     "motion": {*BELOW_MOTION, "units"},
     "primitives": BELOW_PLANNING - {"primitives"},
-    "planning": {*BELOW_PLANNING, "copies"},
+    "planning": {*BELOW_PLANNING, "copies", "even_film"},
     "feasible_regions": {*BELOW_PLANNING, "copies"},
     "certificates": {*BELOW_PLANNING, "planning", "files", "copies"},
     "policy": {*BELOW_PLANNING, "planning", "certificates"},

@@ -219,7 +219,7 @@ def plan(  # noqa: PLR0913  # every option of the verb is an argument
             "--model: cannot be combined with --widest, --policy or --maps, which need only a task; "
             "plan with the model first, then with the task it returns (task.toml)"
         )
-    stated = _possible(task)
+    stated = task_of(task)
     for asked, use in ((policy, "--policy"), (maps, "--maps")):
         if asked:
             stated.rectangle(use)
@@ -228,7 +228,9 @@ def plan(  # noqa: PLR0913  # every option of the verb is an argument
         return with_check(made, progress) if check else made
 
     from meso_robust import pipeline
+    from meso_robust.planning.possible import refuse_impossible
 
+    refuse_impossible(stated)
     if widest:
         result = pipeline.make_best(stated, samples, seed, progress.doing)
     else:
@@ -298,29 +300,22 @@ def certify(
     not proved in step 4 (straighten): every final pose lies in the goal
     what would settle it: change the move that is not proved, or let `meso-robust plan` find a plan
     """
-    known = _possible(task)
+    known = task_of(task)
     stated = plan_of(plan, known)
 
     from meso_robust import pipeline
     from meso_robust.planning.compose import Found
     from meso_robust.planning.inference import inferred
+    from meso_robust.planning.possible import refuse_impossible
     from meso_robust.planning.remedy import Remedy
     from meso_robust.planning.rules import rules_of
     from meso_robust.primitives.setup import setup_of
 
+    refuse_impossible(known)
     rules = rules_of(stated) or inferred(stated, known, setup_of(known))
     found = Found(rules=rules, scale=1.0, remedy=Remedy.CHANGE_MOVE)
     result = pipeline.judge(known, found, samples, seed, progress.doing)
     return Planned(result=result, inputs=files_of(task, plan))
-
-
-def _possible(task: TaskGiven) -> Task:
-    """The task, refused where no plan can do it."""
-    from meso_robust.planning.possible import refuse_impossible
-
-    stated = task_of(task)
-    refuse_impossible(stated)
-    return stated
 
 
 def plan_of(plan: PlanGiven, task: Task) -> PlanDocument:
@@ -358,10 +353,13 @@ def _promised(
 
     read_toml(model, "give a model.toml")  # before the imports that take seconds
 
+    from meso_robust.planning.possible import refuse_impossible
     from meso_robust.transfer import answer
     from meso_robust.transfer.promise import promise, read
 
-    made = promise(task, read(model, task), samples, seed, progress.doing)
+    fitted = read(model, task)
+    refuse_impossible(task)
+    made = promise(task, fitted, samples, seed, progress.doing)
     more = {
         "task.toml": toml_of(made.changed.task),
         "premises.json": text_of(answer.document(made)),

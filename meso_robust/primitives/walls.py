@@ -27,7 +27,18 @@ TOLD = 0.999  # of a polygon's distance: where a corner passes its highest point
 
 
 def stands_clear(setup: Setup) -> bool:
-    """Whether the part is proved to touch no wall at its start."""
+    """Whether the part is proved to touch no wall at its start.
+
+    Parameters
+    ----------
+    setup
+        Of a task.
+
+    Returns
+    -------
+    bool
+        True without walls.
+    """
     return all(_separation(setup.start, block, setup) > 0.0 for block in setup.blocks)
 
 

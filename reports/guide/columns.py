@@ -123,7 +123,7 @@ CHECK = Table(
         Column("schema", "`meso-robust/check/1`"),
         Column(
             "verdict",
-            "VERIFIED; REJECTED; WITNESS CONFIRMED or WITNESS UNDECIDED (the certificate is REFUTED); "
+            "VERIFIED or MARGIN UNDECIDED (all but the margin); REJECTED; WITNESS CONFIRMED or WITNESS UNDECIDED (the certificate is REFUTED); "
             "NOTHING CLAIMED (it is UNKNOWN)",
         ),
         Column("claims", "what is verified, in the checker's own words"),

@@ -129,7 +129,7 @@ def test_the_summary_says_what_where_and_how_much(given: Any, folder: Path, tmp_
     given("named")
     said = run(folder, "--out", tmp_path / "out").stdout
     assert "dry_friction (support): ratio 0.21 [0.18, 0.24], probability 0.97" in said
-    assert "where: push_03.csv at 1.90–7.00 s (one tip): contact, y, 12.3 σ" in said
+    assert "where: push_03.csv at 1.90–7.00 s (one tip): y, 12.3 σ" in said
     assert "push_05.csv" not in said  # the fourth span of five
     assert "and 2 more spans" in said
     assert (

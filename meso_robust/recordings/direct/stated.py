@@ -5,8 +5,8 @@ from __future__ import annotations
 from meso_robust.recordings.direct.run import DirectTests
 from meso_robust.recordings.document import SET_FILE
 from meso_robust.recordings.problem import Problem
+from meso_robust.recordings.rules import UM
 from meso_robust.recordings.values import RecordingSet
-from meso_robust.units import UM
 
 _OFF = 0.3  # of the stated radius, beyond which it is a mistake rather than a tip that is worn
 _NEAR = 0.15  # within which a radius is the half or the double of another one
