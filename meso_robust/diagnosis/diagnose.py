@@ -4,7 +4,7 @@ Each step makes one part from the parts before it: `Baseline` → `Detected` →
 `Accepted` → `Grade` → `Checked`; a `Diagnosis` is all of them.
 
 Which recordings are held out of the fits decides what these can tell: of three pushes on the edge that is wrong, two may be
-held out. Where nothing explains a mismatch, it is asked once more with others held out.
+held out. Where nothing explains a mismatch, or most of what an answer leaves is in those, it is asked once more with others held out.
 """
 
 from __future__ import annotations
@@ -58,7 +58,8 @@ below, by 0.005 and 0.0025."""
 
 
 MOST = 0.5
-"""Lower end of what friction of every push's own explains, from which on it is the answer."""
+"""Lower end of what friction of every push's own explains, from which on it is the answer; and share of what is left
+that is in recordings held out of the fits, above which others are held out."""
 _AMISS = 1.5  # σ, that a recording held out leaves of a model that fits all others
 
 
@@ -216,8 +217,8 @@ def diagnose(
     recordings = with_noise(_in_order(recordings), noise)
     found = _answered(recordings, noise, frozenset(), asked)
     held_out = found.split.held_out
-    if found.verdict == "unknown" and held_out is not None:
-        told("nothing explains it: other recordings are held out", 0, 1)
+    if held_out is not None and (found.verdict == "unknown" or _left_there(found)):
+        told("what is left is looked for with other recordings held out", 0, 1)
         before = frozenset(one.file for one in held_out.recordings)
         other = _answered(recordings, noise, before, replace(asked, quick=True))
         if not quick and _explains(other):
@@ -250,6 +251,19 @@ def _by_push(found: Diagnosis) -> Diagnosis:
         shares={},
     )
     return replace(found, grade=partial, extended=None, checked=Checked(), known=(), each_push=own)
+
+
+def _left_there(found: Diagnosis) -> bool:
+    """Whether much is left, most of it in recordings that no fit of the competition has seen: it may be of another effect."""
+    grade, held_out = found.grade, found.split.held_out
+    explained, rolled = grade.explained, grade.extended
+    if explained is None or explained.share >= NAMED or rolled is None or held_out is None:
+        return False
+    counts = grade.bench.seen.sum(axis=(1, 2))
+    left = np.maximum(rolled.squares.sum(axis=(1, 2)) - grade.floor * counts, 0.0)
+    files = {one.file for one in held_out.recordings}
+    there = np.array([file in files for file in grade.bench.prepared.files])
+    return bool(left[there].sum() > MOST * left.sum())
 
 
 def _explains(found: Diagnosis) -> bool:

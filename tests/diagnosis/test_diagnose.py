@@ -195,3 +195,27 @@ def test_what_nothing_explains_is_asked_with_others_held_out(
 def test_an_answer_is_not_asked_for_again(monkeypatch: pytest.MonkeyPatch, late: Diagnosis) -> None:
     monkeypatch.setattr(diagnosing, "_answered", lambda *_: late)
     assert diagnose(late.recordings, quick=True) is late
+
+
+@pytest.mark.parametrize(
+    ("share", "there", "again"), [(0.6, 0.6, True), (0.6, 0.4, False), (0.85, 0.6, False)]
+)
+def test_what_is_left_in_recordings_held_out_is_asked_with_others_held_out(
+    monkeypatch: pytest.MonkeyPatch, late: Diagnosis, share: float, there: float, again: bool
+) -> None:
+    """No fit of the competition has seen them: a second effect may show there alone."""
+    parts, rolled = late.split.held_out, late.grade.extended
+    assert parts is not None
+    assert rolled is not None
+    held = np.isin(late.grade.bench.prepared.files, [one.file for one in parts.recordings])
+    counts = late.grade.bench.seen.sum(axis=(1, 2))
+    beyond = np.where(held, there / held.sum(), (1.0 - there) / (~held).sum())
+    squares = np.zeros_like(rolled.squares)
+    squares[:, 0, 0] = late.grade.floor * counts + 1e4 * beyond
+    explained = Explained(share=share, low=0.1, high=1.0, folds=6)
+    first = regraded(
+        late, verdict="partial", explained=explained, extended=replace(rolled, squares=squares)
+    )
+    second = regraded(late, verdict="partial", explained=replace(explained, share=0.9))
+    monkeypatch.setattr(diagnosing, "_answered", lambda *given: second if given[2] else first)
+    assert diagnose(late.recordings, quick=True) is (second if again else first)
