@@ -93,9 +93,11 @@ def _failures(check: CrossCheck) -> str:
         )
     if early.any():
         ends, counts = np.unique(check.sampled.outcomes[early], return_counts=True)
-        most = int(np.argmax(counts))
-        how = "start inside the part" if ends[most] == STARTS_INSIDE else Outcome(ends[most]).word
-        said += f"; {int(early.sum())} cannot be carried out, most of them: {how}"
+        ways = [
+            "a tip starts inside the part" if end == STARTS_INSIDE else Outcome(end).word
+            for end in ends[np.argsort(-counts)]
+        ]
+        said += f"; {int(early.sum())} cannot be carried out: {', '.join(ways)}"
     return said
 
 

@@ -26,11 +26,11 @@ DEG = np.pi / 180.0
             "; 3 end outside it, y by up to 2.81 um",
         ),
         ([0], [(0, 0, 0.496 * DEG)], "; 1 ends outside it, theta by up to 0.50 deg"),
-        ([Outcome.JAM, 0], [(1, 1, 1), (0, 0, 0)], "; 1 cannot be carried out, most of them: jam"),
+        ([Outcome.JAM, 0], [(1, 1, 1), (0, 0, 0)], "; 1 cannot be carried out: jam"),
         (
             [STARTS_INSIDE, STARTS_INSIDE, Outcome.JAM, 0],
             [(1, 1, 1), (1, 1, 1), (1, 1, 1), (1e-6, 0, 0)],
-            "; 1 ends outside it, x by up to 1.00 um; 3 cannot be carried out, most of them: start inside the part",
+            "; 1 ends outside it, x by up to 1.00 um; 3 cannot be carried out: a tip starts inside the part, jam",
         ),
     ],
 )

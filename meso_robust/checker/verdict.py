@@ -162,7 +162,7 @@ def _check(
         return Answer(verdict="VERIFIED", claims=claims, not_checked=not_checked, premises=granted)
     return Answer(
         verdict="MARGIN UNDECIDED",
-        claims=f"{claims} Of more uncertainty that is not shown: {open_.claim} = {open_.stated}, but {open_.found}.",
+        claims=f"{claims} That it bears more uncertainty is open: {open_.claim} is stated as {open_.stated}, {open_.found}.",
         not_checked=not_checked,
         premises=granted,
     )

@@ -15,9 +15,8 @@ from meso_robust.task import Goal, Slot, Task
 from meso_robust.types import Floats
 from meso_robust.units import DEG
 
-_PIECES = (
-    4000  # of the goal that are looked at, before some pose of it is taken to be clear of the walls
-)
+# of the goal that are looked at, before some pose of it is taken to be clear of the walls
+_PIECES = 4000
 Pose = tuple[float, float, float]
 """um, um, rad; or half of the widths of a box of them."""
 

@@ -204,7 +204,7 @@ def test_an_exaggerated_margin_is_not_verified(document: Document) -> None:
     margin["each_alone"] = dict.fromkeys(margin["each_alone"], 2.0)
     answer = checked(found, paper_task())
     assert (answer.verdict, answer.positive) == ("MARGIN UNDECIDED", False)
-    assert "margin.factor = 1.9, but not shown: " in answer.claims
+    assert "margin.factor is stated as 1.9, not shown: " in answer.claims
 
 
 def test_evidence_that_cannot_be_is_rejected(document: Document) -> None:

@@ -155,7 +155,7 @@ def test_the_margin_includes_the_walls(slot_document: Document) -> None:
     obligation(slot_document, 3, "part_clear_of_walls")["lower_bound"] = (1e-9).hex()
     found = answer(slot_document, width_um=913.0)
     assert found.verdict == "MARGIN UNDECIDED"
-    assert "margin.factor = 1.2, but not shown: " in found.claims
+    assert "margin.factor is stated as 1.2, not shown: " in found.claims
     slot_document["margin"] |= {"factor": 1.0}
     assert answer(slot_document, width_um=913.0).verdict == "VERIFIED"
 

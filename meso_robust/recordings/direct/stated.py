@@ -53,7 +53,7 @@ def _warning(stated: float, radius: float) -> Problem:
         file=SET_FILE,
         kind="tip_radius",
         severity="warning",
-        value=f"tips touch the part as round as {radius:.3g} um",
+        value=f"tips touch the part as if they had a radius of {radius:.3g} um",
         rule=f"{SET_FILE} states a tip radius of {stated:.3g} um",
         advice=advice,
     )
