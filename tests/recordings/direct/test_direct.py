@@ -127,7 +127,11 @@ def test_a_radius_that_is_not_the_one_at_which_tips_touch_is_a_warning(
         away = 12.5 * np.column_stack([np.cos(angle), np.sin(angle)])
         seen.append(replace(push, tips=push.tips + away[:, None]))
     recordings = replace(as_set(seen), tip_radius=stated * UM)
-    told = [str(one) for one in misstated(recordings, direct_tests(recordings))]
+    tests = direct_tests(recordings)
+    told = [str(one) for one in misstated(recordings, tests)]
+    # an offset or a size that looks nearly as well may be what is wrong
+    alike = tuple(replace(one, alike=("part_geometry",)) for one in tests.findings)
+    assert misstated(recordings, replace(tests, findings=alike)) == ()
     assert [f"{said} measure" in one or said == "measure" for one in told] == [True] * bool(said)
     if told:
         radius = float(told[0].split("tip_radius_um = ")[1].split()[0])
